@@ -1,0 +1,1 @@
+"""Who uses it: thin adapters over the same calls; the command line."""

@@ -1,0 +1,47 @@
+"""Every error osculate raises on purpose derives from `OsculateError`.
+
+An error names the field, the value it had and what would be valid, so that the reader knows what
+to change without opening the source.
+"""
+
+
+class OsculateError(Exception):
+    """Base of all errors raised by osculate."""
+
+
+class InvalidInput(OsculateError, ValueError):
+    """A field has a value that cannot be used.
+
+    Attributes:
+        field: Dotted name of the field, as written in Python and in a scenario file.
+        value: The offending value.
+        valid: What would be accepted, in words.
+    """
+
+    def __init__(self, field: str, value: object, valid: str) -> None:
+        super().__init__(f"{field} = {value!r}: {valid}")
+        self.field = field
+        self.value = value
+        self.valid = valid
+
+
+class InvalidScenario(OsculateError, ValueError):
+    """Several fields of one object or file are wrong; lists every one of them."""
+
+    def __init__(self, problems: list[InvalidInput]) -> None:
+        super().__init__("\n".join(str(problem) for problem in problems))
+        self.problems = problems
+
+
+class NoSolution(OsculateError, ValueError):
+    """The problem as posed has no solution; the message says which condition fails and by how much."""
+
+
+class MissingExtra(OsculateError, ImportError):
+    """An optional dependency is not installed; the message is the command that installs it."""
+
+    def __init__(self, extra: str, package: str) -> None:
+        super().__init__(
+            f"{package} is not installed; install it with: pip install 'osculate[{extra}]'"
+        )
+        self.extra = extra

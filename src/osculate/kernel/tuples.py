@@ -1,0 +1,149 @@
+"""Arithmetic on (nested) named tuples of floats, in Python and compiled.
+
+Kernels pass state, memory and parameters as named tuples. The functions here act on all their
+leaves at once; the compiled twin emits one instruction per leaf, in the same order and with the
+same rounding as the Python one.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple, TypeVar
+
+from llvmlite import ir
+from numba.core import types  # type: ignore[attr-defined]
+from numba.extending import intrinsic
+
+from osculate.kernel.decorator import compiled_twin
+
+T = TypeVar("T")
+
+
+class Nothing(NamedTuple):
+    """Parameters or memory of a part that needs none."""
+
+    zero: float = 0.0
+
+
+def _make(kind: Any, items: list[Any]) -> Any:
+    return kind._make(items) if hasattr(kind, "_make") else kind(items)
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """The floats of a nested tuple, depth first: the order in which lanes store them."""
+    if isinstance(value, tuple):
+        for item in value:
+            yield from leaves(item)
+    else:
+        yield value
+
+
+def names(value: Any, prefix: str = "") -> Iterator[str]:
+    """Dotted field names of the leaves of a nested named tuple, in the order of `leaves`."""
+    if isinstance(value, tuple):
+        fields = getattr(value, "_fields", [str(n) for n in range(len(value))])
+        for field, item in zip(fields, value, strict=True):
+            yield from names(item, f"{prefix}.{field}" if prefix else field)
+    else:
+        yield prefix
+
+
+def rebuild(like: T, values: Iterator[Any]) -> T:
+    """A tuple shaped as ``like`` whose leaves are taken from ``values`` in order."""
+    if isinstance(like, tuple):
+        return _make(type(like), [rebuild(item, values) for item in like])
+    return next(values)  # type: ignore[no-any-return]
+
+
+def axpy(scale: float, x: T, y: T) -> T:
+    """``scale * x + y`` on every leaf."""
+    if isinstance(y, tuple):
+        return _make(type(y), [axpy(scale, a, b) for a, b in zip(x, y, strict=True)])  # type: ignore
+    return scale * x + y  # type: ignore
+
+
+def select(condition: bool, x: T, y: T) -> T:
+    """``x`` where the condition holds, else ``y``, without a branch."""
+    return x if condition else y
+
+
+def finite_sum(value: Any) -> float:
+    """Sum of all leaves times zero: 0.0 when every leaf is finite, NaN otherwise."""
+    total = 0.0
+    for leaf in leaves(value):
+        total = total + leaf * 0.0
+    return total
+
+
+def map_leaves(
+    context: Any, builder: Any, kind: Any, items: list[Any], combine: Callable[..., Any]
+) -> Any:
+    """Emit ``combine`` for every leaf of the LLVM aggregates ``items`` of numba type ``kind``."""
+    if isinstance(kind, types.BaseTuple):
+        parts = [
+            map_leaves(
+                context, builder, part, [builder.extract_value(i, n) for i in items], combine
+            )
+            for n, part in enumerate(kind.types)
+        ]
+        return context.make_tuple(builder, kind, parts)
+    return combine(*items)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _axpy(typingctx: Any, scale: Any, x: Any, y: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        factor, left, right = args
+        factor = context.cast(builder, factor, scale, types.float64)
+        return map_leaves(
+            context,
+            builder,
+            y,
+            [left, right],
+            lambda a, b: builder.fadd(builder.fmul(factor, a), b),
+        )
+
+    return y(scale, x, y), emit
+
+
+@compiled_twin(axpy)  # type: ignore[untyped-decorator]
+def _compiled_axpy(scale: Any, x: Any, y: Any) -> Any:
+    return lambda scale, x, y: _axpy(scale, x, y)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _select(typingctx: Any, condition: Any, x: Any, y: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        flag, left, right = args
+        flag = context.cast(builder, flag, condition, types.boolean)
+        if flag.type != ir.IntType(1):
+            flag = builder.trunc(flag, ir.IntType(1))
+        return map_leaves(
+            context, builder, y, [left, right], lambda a, b: builder.select(flag, a, b)
+        )
+
+    return y(condition, y, y), emit
+
+
+@compiled_twin(select)  # type: ignore[untyped-decorator]
+def _compiled_select(condition: Any, x: Any, y: Any) -> Any:
+    return lambda condition, x, y: _select(condition, x, y)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _finite_sum(typingctx: Any, value: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        total = [ir.Constant(ir.DoubleType(), 0.0)]
+        zero = total[0]
+
+        def add(leaf: Any) -> Any:
+            total[0] = builder.fadd(total[0], builder.fmul(leaf, zero))
+            return leaf
+
+        map_leaves(context, builder, value, [args[0]], add)
+        return total[0]
+
+    return types.float64(value), emit
+
+
+@compiled_twin(finite_sum)  # type: ignore[untyped-decorator]
+def _compiled_finite_sum(value: Any) -> Any:
+    return lambda value: _finite_sum(value)

@@ -1,0 +1,40 @@
+"""The contract of every plant: how a state changes under a command, and what it looks like."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from osculate.control.contract import Start
+from osculate.spec import Spec
+from osculate.vehicle.model import ReducedModel
+from osculate.vehicle.tricycle import Tricycle
+
+
+class Push(NamedTuple):
+    """What acts on a robot besides its command."""
+
+    acceleration: float  # m/s², added to v̇
+    yaw_acceleration: float  # rad/s², added to ω̇
+    yaw_rate: float  # rad/s, added to θ̇: turns the robot without its wheels
+
+
+@dataclass(frozen=True)
+class PlantPart:
+    """A plant ready to run."""
+
+    rates: Any  # kernel (state, command, push, parameters) -> state's rate
+    measure: Any  # kernel (state, parameters) -> Motion
+    parameters: NamedTuple
+    state: NamedTuple  # initial value
+
+
+class Plant(Spec):
+    """A robot's equations of motion."""
+
+    def model(self, robot: Tricycle) -> ReducedModel:
+        """The reduced model that a law may assume for this plant."""
+        return robot.reduced_model()
+
+    @abstractmethod
+    def part(self, robot: Tricycle, start: Start) -> PlantPart:
+        """Kernels, parameters and initial state."""

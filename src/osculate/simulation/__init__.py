@@ -1,0 +1,22 @@
+"""Who calls whom, and when: the closed-loop step, single runs and batches."""
+
+from osculate.simulation.batch import Batch, simulate_batch, variable_names
+from osculate.simulation.clock import AnyClock, Clock, Continuous, Sampled
+from osculate.simulation.loop import InitialState, Setup
+from osculate.simulation.metrics import Metrics
+from osculate.simulation.run import Run, simulate
+
+__all__ = [
+    "AnyClock",
+    "Batch",
+    "Clock",
+    "Continuous",
+    "InitialState",
+    "Metrics",
+    "Run",
+    "Sampled",
+    "Setup",
+    "simulate",
+    "simulate_batch",
+    "variable_names",
+]

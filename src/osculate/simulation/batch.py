@@ -1,0 +1,218 @@
+"""Many robots at once: the same closed-loop step in lanes, blocks of lanes in threads."""
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from osculate.errors import InvalidInput
+from osculate.kernel import Tables, leaves, names
+from osculate.simulation.blocks import Finished, Report, final_run, last_row, run_block
+from osculate.simulation.loop import Loop, Setup, close_loop
+from osculate.simulation.metrics import Metrics, summarise
+from osculate.simulation.run import make_setup
+from osculate.simulation.variables import ROW
+
+LANES = 64  # runs side by side in one block
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Many runs of one kind of closed loop.
+
+    Attributes:
+        setup: What was run (the first of the setups where they differ).
+        varied: What differed: name to values, shape (runs,).
+        metrics: Metrics whose entries have shape (runs,).
+        time: Times of the recorded steps (s), shape (rows,); empty without a record.
+        record: Shape (runs, rows, variables) in the order of `osculate.simulation.variables.ROW`;
+            after a run's end its last values are repeated. Empty without a record.
+    """
+
+    setup: Setup
+    varied: dict[str, NDArray[np.float64]]
+    metrics: Metrics
+    time: NDArray[np.float64]
+    record: NDArray[np.float64]
+
+    @cached_property
+    def data(self) -> Any:
+        """Metrics (and record, if any) as an `xarray.Dataset` over ``run`` (and ``time``)."""
+        from osculate.simulation.dataset import batch_dataset
+
+        return batch_dataset(self)
+
+
+def simulate_batch(
+    curve: Any,
+    robot: Any = None,
+    *,
+    runs: int | None = None,
+    vary: Mapping[str, ArrayLike] | None = None,
+    record_every: int = 0,
+    threads: int | None = None,
+    report: Report | None = None,
+    **parts: Any,
+) -> Batch:
+    """Run many closed loops that are made of the same kinds of parts.
+
+    Any argument may be a list of objects of one kind, one for every run. Single numbers are varied
+    faster by name, without building an object for each: `variable_names` lists what there is.
+
+    Args:
+        curve: A curve, or a list of curves.
+        robot: A robot, or a list of robots.
+        runs: How many runs; needed only if no list and no array says so.
+        vary: Name of a kernel parameter or initial value to values, shape (runs,).
+        record_every: Keep every this many steps of all runs; 0 keeps metrics only.
+        threads: Threads that work on blocks of lanes; by default all processors.
+        report: Called with the fraction of the runs that are done.
+        **parts: As for `simulate`; each may be a list.
+
+    Raises:
+        InvalidInput: Lengths that differ, names that do not exist, parts of different kinds.
+    """
+    given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
+    varied = {name: np.asarray(values, dtype=float) for name, values in (vary or {}).items()}
+    count = _count(runs, given, varied)
+    loops = _close_loops(given, count)
+    columns = _Columns(loops, varied, count)
+    first = loops[0]
+
+    starts = range(0, count, LANES)
+    done = 0
+    pieces: list[tuple[Any, Any, NDArray[np.float64]]] = []
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        for start, block in zip(
+            starts, pool.map(lambda s: _run(first, columns, s, record_every), starts), strict=True
+        ):
+            used = min(LANES, count - start)
+            record = np.moveaxis(block.record[..., :used], 2, 0).swapaxes(1, 2)
+            pieces.append((block.runs[:, :used], block.last[:, :used], record))
+            done += used
+            if report:
+                report(done / count)
+    return _collect(first, columns, pieces, record_every)
+
+
+def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
+    """Names that ``vary`` of `simulate_batch` accepts for these parts."""
+    loop = close_loop(make_setup(curve, robot, parts))
+    return [*names(loop.parameters), *(f"initial.{n}" for n in names(loop.initial.state))]
+
+
+def _run(loop: Loop, columns: "_Columns", start: int, every: int) -> Finished:
+    initial, parameters = columns.block(start)
+    return run_block(loop, initial, parameters, every)
+
+
+def _count(
+    runs: int | None, given: Mapping[str, Any], varied: Mapping[str, NDArray[np.float64]]
+) -> int:
+    lengths = {name: len(v) for name, v in given.items() if _is_list(v)}
+    for name, values in varied.items():
+        if values.ndim > 1:
+            raise InvalidInput(f"vary[{name!r}]", values.shape, "must be one number for every run")
+        if values.ndim == 1:
+            lengths[f"vary[{name!r}]"] = len(values)
+    if runs is not None:
+        lengths["runs"] = runs
+    if not lengths:
+        raise InvalidInput("runs", runs, "must be given when nothing varies")
+    name, count = next(iter(lengths.items()))
+    for other, length in lengths.items():
+        if length != count:
+            raise InvalidInput(other, length, f"must have the length of {name}, {count}")
+    if count < 1:
+        raise InvalidInput(name, count, "must be at least 1")
+    return count
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
+    """One loop if no argument is a list, else one for every run, all in the same tables."""
+    several = count if any(_is_list(v) for v in given.values()) else 1
+    tables = Tables()
+    loops = []
+    for n in range(several):
+        here = {name: v[n] if _is_list(v) else v for name, v in given.items()}
+        setup = make_setup(here.pop("curve"), here.pop("robot", None), here)
+        loops.append(close_loop(setup, tables))
+        if loops[n].bindings != loops[0].bindings or setup.clock != loops[0].setup.clock:
+            raise InvalidInput(
+                f"run {n}",
+                type(setup.target).__name__,
+                "must have the same kinds of parts and clock as run 0",
+            )
+    whole = tables.array
+    return [Loop(c.setup, c.bindings, c.parameters, c.initial, whole) for c in loops]
+
+
+class _Columns:
+    """The initial runs and parameters of any block, without holding all of them."""
+
+    def __init__(
+        self, loops: list[Loop], varied: Mapping[str, NDArray[np.float64]], count: int
+    ) -> None:
+        self.count, self.loops = count, loops
+        first = loops[0]
+        self.parameter_names = list(names(first.parameters))
+        self.initial_names = [f"initial.{name}" for name in names(first.initial.state)]
+        valid = {*self.parameter_names, *self.initial_names}
+        for name in varied:
+            if name not in valid:
+                raise InvalidInput(
+                    f"vary[{name!r}]", name, f"unknown; valid: {', '.join(sorted(valid))}"
+                )
+        self.varied = {n: np.broadcast_to(v, (count,)) for n, v in varied.items()}
+
+    def block(self, start: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Initial runs and parameters of the lanes from run ``start``; the last one is repeated."""
+        index = np.minimum(np.arange(start, start + LANES), self.count - 1)
+        chosen = [self.loops[i if len(self.loops) > 1 else 0] for i in index]
+        initial = np.array([list(leaves(loop.initial)) for loop in chosen]).T.copy()
+        parameters = np.array([list(leaves(loop.parameters)) for loop in chosen]).T.copy()
+        for name, values in self.varied.items():
+            if name in self.parameter_names:
+                parameters[self.parameter_names.index(name)] = values[index]
+            else:
+                initial[self.initial_names.index(name)] = values[index]
+        return initial, parameters
+
+
+def _collect(
+    loop: Loop,
+    columns: _Columns,
+    pieces: list[tuple[Any, Any, NDArray[np.float64]]],
+    every: int,
+) -> Batch:
+    final = final_run(loop, np.concatenate([p[0] for p in pieces], axis=1))
+    last = last_row(np.concatenate([p[1] for p in pieces], axis=1))
+    curves = [c.setup.curve for c in columns.loops]
+    lengths = np.array([curve.length for curve in curves])
+    ends = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
+    metrics = summarise(final, last, lengths, (ends[:, 0], ends[:, 1]))
+    rows = max(p[2].shape[1] for p in pieces)
+    record = np.concatenate([_padded(p[2], rows) for p in pieces])
+    clock = loop.setup.clock
+    time = np.arange(rows) * (clock.step * every)
+    return Batch(loop.setup, dict(columns.varied), metrics, time, record)
+
+
+def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
+    """Repeat the last row of a block that ended early."""
+    missing = rows - record.shape[1]
+    if missing == 0:
+        return record
+    return np.concatenate([record, np.repeat(record[:, -1:], missing, axis=1)], axis=1)
+
+
+__all__ = ["LANES", "ROW", "Batch", "simulate_batch", "variable_names"]

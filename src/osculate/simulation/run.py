@@ -1,0 +1,179 @@
+"""One simulated run: record, metrics and the objects it was made from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.control import Controller
+from osculate.curve import Curve
+from osculate.errors import InvalidInput
+from osculate.kernel import store
+from osculate.plant import Disturbance, Plant
+from osculate.scene import Scene
+from osculate.simulation.blocks import Report, final_run, last_row, run_block
+from osculate.simulation.clock import Clock
+from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
+from osculate.simulation.metrics import Metrics, summarise
+from osculate.simulation.records import DIVERGED, FINISHED
+from osculate.simulation.variables import ROW
+from osculate.target import Target
+from osculate.vehicle import Tricycle
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of one robot.
+
+    Attributes:
+        setup: What was run.
+        scene: What stood around.
+        columns: The record: variable name to samples, shape (n,); ``time`` is one of them.
+        metrics: Exactness and effort.
+        message: How the run ended, in words.
+    """
+
+    setup: Setup
+    scene: Scene
+    columns: dict[str, NDArray[np.float64]]
+    metrics: Metrics
+    message: str
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the run had to be stopped; the record then ends with the last finite state."""
+        return bool(self.metrics.ended == "diverged")
+
+    @cached_property
+    def clearance(self) -> NDArray[np.float64]:
+        """Distance from the footprint to the nearest obstacle (m), shape (n,)."""
+        return _clearance(self.setup, self.scene, self.columns)
+
+    @cached_property
+    def data(self) -> Any:
+        """The record as an `xarray.Dataset` over ``time``, every variable with unit and meaning."""
+        from osculate.simulation.dataset import run_dataset
+
+        return run_dataset(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the record as netCDF, readable by xarray and any other netCDF reader."""
+        from osculate.simulation.dataset import write_netcdf
+
+        return write_netcdf(self, Path(path))
+
+    def plot(self) -> Any:
+        """Path, speeds, errors and commands as one Matplotlib figure."""
+        from osculate.simulation.plot import overview
+
+        return overview(self)
+
+
+def simulate(
+    curve: Any,
+    robot: Any = None,
+    *,
+    scene: Scene | None = None,
+    report: Report | None = None,
+    **parts: Any,
+) -> Run:
+    """Let one robot follow a curve.
+
+    Args:
+        curve: The curve to follow.
+        robot: The robot; by default the paper's.
+        scene: Obstacles, for the clearance.
+        report: Called with the fraction of the run that is done.
+        **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``;
+            whatever is left out is the paper's.
+
+    Returns:
+        The run. A run that diverges is not an error: it stops, keeps its record and says so.
+
+    Raises:
+        InvalidInput: Parts that do not exist or do not fit each other.
+    """
+    setup = make_setup(curve, robot, parts)
+    return run_loop(close_loop(setup), scene or Scene(), report)
+
+
+PARTS = {
+    "curve": Curve,
+    "robot": Tricycle,
+    "target": Target,
+    "controller": Controller,
+    "plant": Plant,
+    "disturbance": Disturbance,
+    "clock": Clock,
+    "initial": InitialState,
+}
+
+
+def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
+    """A `Setup` from the arguments of `simulate`, with clear errors for unknown or wrong parts."""
+    named = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
+    defaults = Setup._field_defaults
+    for name, value in named.items():
+        if name not in Setup._fields:
+            raise InvalidInput(name, value, f"unknown part; valid: {', '.join(defaults)}")
+        expected = PARTS[name]
+        if not isinstance(value, expected):
+            raise InvalidInput(name, value, f"must be a {expected.__name__}")
+    return Setup(**named)
+
+
+def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
+    """Run a closed loop once, recording every step."""
+    runs = np.empty((size(loop.initial), 1))
+    parameters = np.empty((size(loop.parameters), 1))
+    store(loop.initial, runs, 0)
+    store(loop.parameters, parameters, 0)
+    done = run_block(loop, runs, parameters, every=1, report=report)
+    final: Any = final_run(loop, done.runs)
+    code = float(final.status.code[0])
+    # the landing adds a sample of its own, except to a run that diverged
+    alive = int(final.tally.samples[0]) - (code != DIVERGED)
+    rows = np.concatenate([done.record[:alive, :, 0], done.last.T])
+    fresh = np.concatenate([[True], np.diff(rows[:, 0]) > 0.0])
+    columns = {v.name: np.ascontiguousarray(rows[fresh, n]) for n, v in enumerate(ROW)}
+    curve = loop.setup.curve
+    end = curve.at(curve.length)
+    many = summarise(final, last_row(done.last), curve.length, (float(end.x), float(end.y)))
+    single = {
+        name: None if value is None else np.asarray(value).item()
+        for name, value in many.as_dict().items()
+    }
+    if not scene.is_empty:
+        single["clearance_min"] = float(_clearance(loop.setup, scene, columns).min())
+    return Run(loop.setup, scene, columns, Metrics(**single), _message(code, columns))
+
+
+def _clearance(
+    setup: Setup, scene: Scene, columns: dict[str, NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    begin = setup.curve.at(0.0)
+    return scene.clearance(
+        (float(begin.x), float(begin.y)),
+        setup.robot.footprint.corners,
+        columns["x"],
+        columns["y"],
+        columns["heading"],
+    )
+
+
+def _message(code: float, columns: dict[str, NDArray[np.float64]]) -> str:
+    time, speed = columns["time"][-1], columns["speed"][-1]
+    if code == FINISHED:
+        return f"reached the end of the path at t = {time:.3f} s, moving at {speed:.3f} m/s"
+    if code == DIVERGED:
+        return (
+            f"diverged after t = {time:.3f} s: the next state is not finite or beyond the speed "
+            f"limit; last speed {speed:.4g} m/s, yaw rate {columns['yaw_rate'][-1]:.4g} rad/s, "
+            f"cross-track error {columns['cross_track_error'][-1]:.4g} m"
+        )
+    return (
+        f"ended after its duration of {time:.3f} s, {columns['arc_length'][-1]:.4f} m on the path"
+    )

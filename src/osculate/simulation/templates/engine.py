@@ -1,0 +1,215 @@
+"""Template: run a block of closed loops side by side, ``LANES`` of them (one, or many)."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.kernel import compiled, finite_sum, kernel, load, scratch, select, store
+from osculate.simulation.records import (
+    DIVERGED,
+    FINISHED,
+    RUNNING,
+    Parameters,
+    Progress,
+    Row,
+    Status,
+)
+from osculate.simulation.tally import count
+
+if TYPE_CHECKING:  # parts, bound by `compose`
+    from osculate.plant.reduced import measure_reduced as measure
+    from osculate.simulation.templates.continuous import decide, hold, respond
+    from osculate.simulation.templates.rk4 import rk4
+
+    LANES = 1
+    SAMPLED = False
+
+CHECK = 64  # steps between two looks at whether all runs have ended
+LANDINGS = 4  # Newton steps to the instant at which the path ends
+
+
+@kernel
+def observe(
+    t: float,
+    elapsed: float,
+    run: Progress,
+    action: Any,
+    p: Parameters,
+    tables: NDArray[np.float64],
+) -> Any:
+    """The record's row at time ``t`` and the tally with this sample."""
+    _, reference, command, errors, _ = respond(t, run.state, action, p, tables)
+    motion = measure(run.state.plant, p.plant)
+    tally = count(elapsed, motion, command, run.tally, p.curve, tables)
+    row = Row(
+        t,
+        motion,
+        reference,
+        command,
+        errors,
+        run.state.target.arc_length,
+        tally.foot,
+        tally.cross_track,
+        tally.heading_error,
+    )
+    return row, tally
+
+
+@kernel
+def advance(
+    t: float, h: float, elapsed: float, run: Progress, action: Any, p: Parameters, tables: Any
+) -> Any:
+    """Observe a run at ``t`` and move it on by ``h``, unless it has ended: then it stays."""
+    row, tally = observe(t, elapsed, run, action, p, tables)
+    state = rk4(t, h, run.state, action, p, tables)
+    speed = measure(state.plant, p.plant).speed
+    wild = finite_sum(state) != 0.0 or not abs(speed) <= p.speed_limit
+    beyond = state.target.arc_length >= p.finish
+    code = DIVERGED if wild else (FINISHED if beyond else RUNNING)
+    going = code == RUNNING
+    moved = Progress(
+        select(going, state, run.state), run.held, tally, Status(code, t + h if going else t)
+    )
+    return row, select(run.status.code == RUNNING, moved, run)
+
+
+@kernel
+def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables: Any) -> Any:
+    """The last instant of a run: where the path ends if it does, else where its clock stands."""
+    t = run.status.time
+    action = hold(age, substeps, run.held, p)
+    finished = run.status.code == FINISHED
+    part = 0.0
+    state = run.state
+    for _ in range(LANDINGS):
+        speed = measure(state.plant, p.plant).speed
+        part = part + (p.finish - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
+        part = part if part < h else h
+        part = part if part > 0.0 and finished else 0.0
+        state = rk4(t, part, run.state, action, p, tables)
+    ended = Progress(select(finished, state, run.state), run.held, run.tally, run.status)
+    row, tally = observe(t + part, part, ended, action, p, tables)
+    fresh = run.status.code != DIVERGED
+    status = Status(run.status.code, t + part)
+    return row, Progress(ended.state, run.held, select(fresh, tally, run.tally), status)
+
+
+@kernel
+def decided(t: float, period: float, run: Progress, p: Parameters, tables: Any) -> Progress:
+    """A run after a decision of its sampled law, unless it has ended."""
+    held = decide(t, period, run, p, tables)
+    going = run.status.code == RUNNING
+    return Progress(run.state, select(going, held, run.held), run.tally, run.status)
+
+
+@kernel
+def any_running(like: Progress, block: NDArray[np.float64]) -> bool:
+    """Whether a run of the block has not ended yet."""
+    running = 0
+    for lane in range(LANES):
+        running += load(like, block, lane).status.code == RUNNING
+    return running > 0
+
+
+@kernel
+def copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+    """Copy a block."""
+    for leaf in range(source.shape[0]):
+        for lane in range(LANES):
+            target[leaf, lane] = source[leaf, lane]
+
+
+@compiled
+def run_block(
+    like: Progress,
+    like_parameters: Parameters,
+    like_row: Row,
+    runs: NDArray[np.float64],
+    parameters: NDArray[np.float64],
+    tables: NDArray[np.float64],
+    start: int,
+    steps: int,
+    h: float,
+    substeps: int,
+    every: int,
+    record: NDArray[np.float64],
+) -> int:
+    """Advance a block by up to ``steps`` steps from step ``start``; returns the steps made.
+
+    Args:
+        like: Any tuple of the shape of a run, for its type alone; likewise the next two.
+        like_parameters: See ``like``.
+        like_row: See ``like``.
+        runs: Shape (leaves, LANES), read and overwritten.
+        parameters: Shape (leaves, LANES).
+        tables: Shape (n,).
+        start: Number of the first step; time is step times ``h``.
+        steps: Steps to make at most; fewer when all runs have ended.
+        h: Step (s).
+        substeps: Steps between two instants of a sampled law.
+        every: A step is recorded when its number is a multiple of this.
+        record: Shape (rows, leaves, LANES), one row per recorded step; nothing if it has no rows.
+    """
+    block = scratch(like, LANES)
+    rows = scratch(like_row, LANES)
+    copy(runs, block)
+    filled = 0
+    made = 0
+    while made < steps:
+        step = start + made
+        age = step % substeps
+        if SAMPLED and age == 0:
+            for lane in range(LANES):
+                run = load(like, block, lane)
+                p = load(like_parameters, parameters, lane)
+                store(decided(step * h, substeps * h, run, p, tables), block, lane)
+        for lane in range(LANES):
+            run = load(like, block, lane)
+            p = load(like_parameters, parameters, lane)
+            action = hold(age, substeps, run.held, p)
+            row, moved = advance(step * h, h, h if step > 0 else 0.0, run, action, p, tables)
+            store(moved, block, lane)
+            store(row, rows, lane)
+        if step % every == 0 and filled < record.shape[0]:
+            copy(rows, record[filled])
+            filled += 1
+        made += 1
+        if made % CHECK == 0 and not any_running(like, block):
+            break
+    copy(block, runs)
+    return made
+
+
+@compiled
+def land_block(
+    like: Progress,
+    like_parameters: Parameters,
+    like_row: Row,
+    runs: NDArray[np.float64],
+    parameters: NDArray[np.float64],
+    tables: NDArray[np.float64],
+    h: float,
+    substeps: int,
+    record: NDArray[np.float64],
+) -> None:
+    """Bring every run of a block to its last instant; see `run_block`.
+
+    Args:
+        like: See `run_block`; likewise all arguments up to ``tables``.
+        like_parameters: See `run_block`.
+        like_row: See `run_block`.
+        runs: See `run_block`.
+        parameters: See `run_block`.
+        tables: See `run_block`.
+        h: Step (s).
+        substeps: Steps between two instants of a sampled law.
+        record: Shape (leaves, LANES), the row at the last instant.
+    """
+    for lane in range(LANES):
+        run = load(like, runs, lane)
+        p = load(like_parameters, parameters, lane)
+        age = int(run.status.time / h + 0.5) % substeps
+        row, landed = land(h, age, substeps, run, p, tables)
+        store(landed, runs, lane)
+        store(row, record, lane)

@@ -1,0 +1,105 @@
+"""`Spec`: a validated, immutable description; the same fields in Python and in a scenario file.
+
+Every public object that a user configures (robot, curve, target, controller, ...) is a `Spec`.
+Validation is pydantic's; this module only turns its reports into the package's own errors and gives
+physical quantities one way to state their unit.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Self
+
+import pydantic
+from pydantic import BaseModel, ConfigDict, Field
+
+from osculate.errors import InvalidInput, InvalidScenario, NoSolution, OsculateError
+
+
+def quantity(unit: str, meaning: str, **field: Any) -> Any:
+    """Declare a field that carries a physical unit.
+
+    Args:
+        unit: SI unit as printed to users, for example ``"kg m²"``; ``"1"`` for pure numbers.
+        meaning: One line of what the field is.
+        **field: Passed to `pydantic.Field` (``default``, ``gt``, ``ge``, ``lt``, ``le``, ...).
+    """
+    return Field(
+        description=f"{meaning} [{unit}]",
+        json_schema_extra={"unit": unit},
+        **field,
+    )
+
+
+class Spec(BaseModel):
+    """Base of every configurable object: frozen, no unknown fields, clear errors.
+
+    Raises:
+        InvalidInput: One field is wrong; says which one, its value and what is valid.
+        InvalidScenario: Several fields are wrong; lists all of them.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, arbitrary_types_allowed=True
+    )
+
+    def __init__(self, **fields: Any) -> None:
+        try:
+            super().__init__(**fields)
+        except pydantic.ValidationError as error:
+            raise explain(error, type(self)) from None
+
+    @classmethod
+    def parse(cls, fields: Mapping[str, Any]) -> Self:
+        """Build from plain nested data such as a YAML file holds."""
+        if not isinstance(fields, Mapping):
+            raise InvalidInput(cls.__name__, fields, "must be a mapping of fields to values")
+        return cls(**{str(key): value for key, value in fields.items()})
+
+
+def explain(error: pydantic.ValidationError, spec: type[BaseModel]) -> OsculateError:
+    """Translate a pydantic report into the package's error for the class ``spec``."""
+    for details in error.errors():
+        cause = details.get("ctx", {}).get("error")
+        if isinstance(cause, NoSolution):
+            return cause
+    problems = [
+        problem
+        for details in error.errors()
+        for problem in _problems(details, spec.__name__, spec.model_fields)
+    ]
+    return problems[0] if len(problems) == 1 else InvalidScenario(problems)
+
+
+def _problems(
+    details: Mapping[str, Any], name: str, fields: Mapping[str, Any]
+) -> Iterator[InvalidInput]:
+    path = ".".join([name, *(str(part) for part in details["loc"])])
+    cause = details.get("ctx", {}).get("error")
+    if isinstance(cause, InvalidScenario):
+        for problem in cause.problems:
+            yield InvalidInput(_join(path, problem.field), problem.value, problem.valid)
+    elif isinstance(cause, InvalidInput):
+        yield InvalidInput(_join(path, cause.field), cause.value, cause.valid)
+    elif details["type"] == "extra_forbidden":
+        yield InvalidInput(
+            path, details["input"], f"unknown field; valid fields: {', '.join(fields)}"
+        )
+    elif details["type"] == "missing":
+        yield InvalidInput(path, None, "required field is missing")
+    else:
+        yield InvalidInput(path, details["input"], _valid(details, fields))
+
+
+def _valid(details: Mapping[str, Any], fields: Mapping[str, Any]) -> str:
+    message = str(details["msg"])
+    message = message.removeprefix("Value error, ").removeprefix("Input should be ")
+    message = message if message.startswith("must") else f"must be {message}"
+    field = fields.get(str(details["loc"][0])) if details["loc"] else None
+    extra = getattr(field, "json_schema_extra", None)
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return f"{message} ({unit})" if unit and unit != "1" else message
+
+
+def _join(path: str, inner: str) -> str:
+    """``Scenario.robot`` and ``Tricycle.wheelbase`` make ``Scenario.robot.wheelbase``."""
+    head, _, rest = inner.partition(".")
+    return f"{path}.{rest}" if rest and head[:1].isupper() else f"{path}.{inner}" if inner else path

@@ -1,0 +1,220 @@
+"""The report of a run: one self-contained HTML page with interactive plots that works offline."""
+
+import html
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from osculate.simulation.metrics import Metrics
+from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints, readable, thinned
+
+if TYPE_CHECKING:
+    from osculate.simulation import Run
+
+Trace = dict[str, Any]
+
+
+def metric_rows(metrics: Metrics) -> list[tuple[str, str]]:
+    """Label and readable value with its unit, for every metric that is known."""
+    rows = []
+    for name, unit, label in Metrics.items():
+        value = getattr(metrics, name)
+        if value is not None:
+            rows.append((label, value if isinstance(value, str) else _with_unit(value, unit)))
+    return rows
+
+
+def _with_unit(value: float, unit: str) -> str:
+    if unit == "m" and abs(value) < 1.0:
+        factor, small = readable(abs(value))
+        return f"{value * factor:.4g} {small}"
+    if unit in ("rad", "rad/s"):
+        return f"{np.degrees(value):.4g} {unit.replace('rad', '°')}"
+    return f"{value:.5g} {unit}"
+
+
+def write_report(run: "Run", path: Path, title: str, description: str = "") -> Path:
+    """Write the page.
+
+    Args:
+        run: What to report.
+        path: The HTML file.
+        title: Heading of the page.
+        description: One sentence below it.
+    """
+    from plotly.offline import get_plotlyjs
+
+    column = thinned(run)
+    plots = {
+        "Path": _path_plot(run, column),
+        "Speeds": _speed_plot(column),
+        "Cross-track error": _error_plot(column),
+        "Speed errors": _speed_error_plot(column),
+        "Steering": _steering_plot(column),
+        "Torques": _torque_plot(column),
+    }
+    page = _PAGE.format(
+        title=html.escape(title),
+        description=html.escape(description),
+        message=html.escape(f"The run {run.message}."),
+        kind="bad" if run.diverged else "good",
+        rows="\n".join(
+            f"<tr><th>{html.escape(label)}</th><td>{html.escape(value)}</td></tr>"
+            for label, value in metric_rows(run.metrics)
+        ),
+        setup=html.escape(_setup_text(run)),
+        sections="\n".join(
+            f'<section><h2>{name}</h2><div class="plot" id="plot-{n}"></div></section>'
+            for n, name in enumerate(plots)
+        ),
+        plots=json.dumps(list(plots.values())),
+        plotly=get_plotlyjs(),
+    )
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _setup_text(run: "Run") -> str:
+    parts = {n: p.model_dump(mode="json") for n, p in run.setup._asdict().items() if n != "curve"}
+    curve = run.setup.curve
+    parts["curve"] = {"kind": getattr(curve, "kind", "curve"), "length": curve.length}
+    return json.dumps(parts, indent=2, ensure_ascii=False)
+
+
+def _line(x: Any, y: Any, name: str, colour: str, dash: str = "solid", width: float = 2.0) -> Trace:
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": _numbers(x),
+        "y": _numbers(y),
+        "line": {"color": colour, "dash": dash, "width": width},
+    }
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(f"{value:.7g}") for value in np.asarray(values).tolist()]
+
+
+def _plot(traces: list[Trace], x: str, y: str, **layout: Any) -> dict[str, Any]:
+    return {
+        "data": traces,
+        "layout": {
+            "xaxis": {"title": {"text": x}, "zeroline": False},
+            "yaxis": {"title": {"text": y}, "zeroline": False},
+            "margin": {"l": 70, "r": 20, "t": 10, "b": 50},
+            "legend": {"orientation": "h", "y": 1.08},
+            "hovermode": "x unified",
+            **layout,
+        },
+    }
+
+
+def _path_plot(run: "Run", column: dict[str, Any]) -> dict[str, Any]:
+    curve = run.setup.curve
+    point = curve.at(np.linspace(0.0, curve.length, 601))
+    start = (float(point.x[0]), float(point.y[0]))
+    traces = [
+        _filled(o.outline(start), "obstacle", "rgba(120,126,135,0.35)", GREY)
+        for o in run.scene.obstacles
+    ]
+    traces += [
+        _line(point.x, point.y, "target curve", ORANGE, width=5.0),
+        _line(column["x"], column["y"], "path driven", BLUE),
+    ]
+    bodies = _filled(_joined(footprints(run, 24)), "footprint", "rgba(31,95,168,0.12)", BLUE)
+    marker = {"color": GREEN, "size": 10}
+    begin = {
+        "type": "scatter", "mode": "markers", "name": "start",
+        "x": [start[0]], "y": [start[1]], "marker": marker,
+    }  # fmt: skip
+    plot = _plot([*traces, bodies, begin], "x (m)", "y (m)", hovermode="closest", height=520)
+    plot["layout"]["yaxis"].update(scaleanchor="x", scaleratio=1)
+    return plot
+
+
+def _filled(outline: Any, name: str, fill: str, colour: str) -> Trace:
+    closed = outline if isinstance(outline, list) else [*outline.tolist(), outline[0].tolist()]
+    x = [None if c is None else float(f"{c[0]:.6g}") for c in closed]
+    y = [None if c is None else float(f"{c[1]:.6g}") for c in closed]
+    return {
+        "type": "scatter", "mode": "lines", "name": name, "x": x, "y": y,
+        "fill": "toself", "fillcolor": fill, "line": {"color": colour, "width": 1},
+        "hoverinfo": "skip",
+    }  # fmt: skip
+
+
+def _joined(outlines: list[Any]) -> list[Any]:
+    joined: list[Any] = []
+    for outline in outlines:
+        joined += [*outline.tolist(), outline[0].tolist(), None]
+    return joined
+
+
+def _speed_plot(column: dict[str, Any]) -> dict[str, Any]:
+    t = column["time"]
+    return _plot(
+        [
+            _line(t, column["speed"], "speed v (m/s)", BLUE),
+            _line(t, column["target_speed"], "target v̂ (m/s)", BLUE, "dot"),
+            _line(t, column["yaw_rate"], "yaw rate ω (rad/s)", ORANGE),
+            _line(t, column["target_yaw_rate"], "target ω̂ (rad/s)", ORANGE, "dot"),
+        ],
+        "time (s)",
+        "m/s, rad/s",
+    )
+
+
+def _error_plot(column: dict[str, Any]) -> dict[str, Any]:
+    error = column["cross_track_error"]
+    factor, unit = readable(float(np.abs(error).max()))
+    return _plot(
+        [_line(column["time"], error * factor, f"cross-track error ({unit})", RED)],
+        "time (s)",
+        f"left of the curve ({unit})",
+        showlegend=False,
+    )
+
+
+def _speed_error_plot(column: dict[str, Any]) -> dict[str, Any]:
+    t = column["time"]
+    plot = _plot(
+        [
+            _line(t, column["speed_error"], "speed error v − v̂ (m/s)", BLUE),
+            _line(t, column["yaw_rate_error"], "yaw-rate error ω − ω̂ (rad/s)", ORANGE),
+        ],
+        "time (s)",
+        "m/s, rad/s",
+    )
+    plot["layout"]["yaxis"]["exponentformat"] = "power"
+    return plot
+
+
+def _steering_plot(column: dict[str, Any]) -> dict[str, Any]:
+    return _plot(
+        [
+            _line(
+                column["time"], np.degrees(column["steering_angle"]), "steering angle φ (°)", GREEN
+            )
+        ],
+        "time (s)",
+        "φ (°)",
+        showlegend=False,
+    )
+
+
+def _torque_plot(column: dict[str, Any]) -> dict[str, Any]:
+    t = column["time"]
+    return _plot(
+        [
+            _line(t, column["torque_left"], "left wheel (N m)", BLUE),
+            _line(t, column["torque_right"], "right wheel (N m)", ORANGE, "dash"),
+        ],
+        "time (s)",
+        "torque (N m)",
+    )
+
+
+_PAGE = (Path(__file__).with_name("report.html")).read_text(encoding="utf-8")

@@ -1,0 +1,117 @@
+"""The robot: one steered front wheel, two driven rear wheels (Table 1)."""
+
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+from osculate.errors import InvalidInput
+from osculate.spec import Spec, quantity
+from osculate.vehicle.model import ReducedModel
+
+
+class Footprint(NamedTuple):
+    """The rectangle that the robot covers, in its own frame (origin O, x forward, y left)."""
+
+    front: float  # m, from O to the foremost point
+    rear: float  # m, from O to the rearmost point, positive
+    half_width: float  # m
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """The four corners (m), counter-clockwise."""
+        return (
+            (-self.rear, -self.half_width),
+            (self.front, -self.half_width),
+            (self.front, self.half_width),
+            (-self.rear, self.half_width),
+        )
+
+
+class Tricycle(Spec):
+    """Masses, inertias and lengths of a three-wheeled robot; the defaults are the paper's (Table 1).
+
+    The tracked point O is the middle of the rear axle, which is also the origin of ``base_link``.
+
+    Raises:
+        InvalidInput: A value is not positive, or the body inertia is too small for its mass.
+    """
+
+    kind: Literal["tricycle"] = "tricycle"
+    body_mass: float = quantity("kg", "mass of the centre rod (body), M_b", default=3.0, gt=0)
+    wheel_mass: float = quantity("kg", "mass of each wheel, M_w", default=2.0, gt=0)
+    wheel_inertia: float = quantity(
+        "kg m²", "inertia of a wheel about its axle, I_w", default=0.01, gt=0
+    )
+    wheel_yaw_inertia: float = quantity(
+        "kg m²",
+        "inertia of a wheel about the vertical through its centre, I_wd",
+        default=0.005,
+        gt=0,
+    )
+    body_inertia: float = quantity(
+        "kg m²", "inertia of the body about the vertical through O, I_b", default=0.16, gt=0
+    )
+    wheelbase: float = quantity(
+        "m", "rear-axle midpoint O to steered wheel P, a", default=0.4, gt=0
+    )
+    wheel_radius: float = quantity("m", "radius of the wheels, r", default=0.1, gt=0)
+    track_width: float = quantity("m", "distance between the rear wheels, d", default=0.2, gt=0)
+    wheel_width: float = quantity(
+        "m", "width of a wheel; the footprint ends at the tyres' outer faces", default=0.04, gt=0
+    )
+    gravity: float = quantity("m/s²", "gravitational acceleration, g", default=9.8, gt=0)
+
+    @cached_property
+    def total_mass(self) -> float:
+        """M₁ = M_b + 3 M_w + I_w / r² (kg): all masses, and the front wheel's spin."""
+        return self.body_mass + 3 * self.wheel_mass + self.wheel_inertia / self.wheel_radius**2
+
+    @cached_property
+    def turn_inertia(self) -> float:
+        """I (kg m²) of eq. (A7): everything that turns with the robot, about O.
+
+        The paper adds (a²/4) M_b to an I_b that is already about O; its value is kept here so that
+        its robot is reproduced. For another robot give I_b about the body's own centre.
+        """
+        return (
+            self.body_inertia
+            + 2 * self.wheel_yaw_inertia
+            + self.wheelbase**2 / 4 * self.body_mass
+            + self.track_width**2 / 2 * self.wheel_mass
+            + self.wheelbase**2 * self.wheel_mass
+            + (self.wheelbase / self.wheel_radius) ** 2 * self.wheel_inertia
+        )
+
+    @cached_property
+    def yaw_gain(self) -> float:
+        """C = r / (d I_w) of eq. (16): yaw acceleration per N m of torque difference u₁."""
+        return self.wheel_radius / (self.track_width * self.wheel_inertia)
+
+    @property
+    def footprint(self) -> Footprint:
+        """Rectangle around the wheels and the body."""
+        return Footprint(
+            front=self.wheelbase + self.wheel_radius,
+            rear=self.wheel_radius,
+            half_width=self.track_width / 2 + self.wheel_width / 2,
+        )
+
+    def reduced_model(self, form: str = "corrected") -> ReducedModel:
+        """Coefficients of eq. (16), solved for v̇, for the kernels.
+
+        Args:
+            form: ``"corrected"`` (steering term I r², conserves energy) or ``"printed"`` (I a r²).
+        """
+        factors = {"corrected": 1.0, "printed": self.wheelbase}
+        if form not in factors:
+            raise InvalidInput("form", form, f"must be one of {', '.join(factors)}")
+        turn = self.turn_inertia * self.wheel_radius**2
+        return ReducedModel(
+            wheelbase=self.wheelbase,
+            wheel_radius=self.wheel_radius,
+            traction=1.0 / self.wheel_radius,
+            yaw_gain=self.yaw_gain,
+            differential=1.0 / self.yaw_gain,
+            drive_inertia=self.total_mass * self.wheel_radius**2 + 2 * self.wheel_inertia,
+            turn_inertia=turn,
+            coupling=turn * factors[form],
+        )
