@@ -90,7 +90,10 @@ def _execute(template: str, source: str, key: str, parts: Mapping[str, Any]) -> 
 
 @cache
 def _source(template: str) -> str:
-    spec = find_spec(template)
+    try:
+        spec = find_spec(template)
+    except ModuleNotFoundError:
+        spec = None
     if spec is None or spec.origin is None:
         raise OsculateError(f"template {template!r} is not an importable module")
     return Path(spec.origin).read_text(encoding="utf-8")
