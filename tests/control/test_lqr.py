@@ -44,7 +44,11 @@ def cost(solved, preview, acceleration, horizon=8.0):
     def rate(now, state):
         y = state[:2]
         u = -solved.gain @ y + np.interp(now, t, preview)
-        return [y[1], 50.0 * u - np.interp(now, t, acceleration), y[0] ** 2 + 100 * y[1] ** 2 + u**2]
+        return [
+            y[1],
+            50.0 * u - np.interp(now, t, acceleration),
+            y[0] ** 2 + 100 * y[1] ** 2 + u**2,
+        ]
 
     return solve_ivp(rate, (0, horizon), [0, 0, 0], max_step=0.01, rtol=1e-8, atol=1e-12).y[2, -1]
 
@@ -54,7 +58,7 @@ def test_the_preview_is_optimal():
     acceleration = 0.5 * np.exp(-((t - 3.0) ** 2)) * (t - 3.0)
     best = sampled_preview(SOLVED, SampledYaw(t[1], acceleration))[:, 0]
     least = cost(SOLVED, best, acceleration)
-    assert cost(SOLVED, 0.0 * best, acceleration) > 2 * least
+    assert cost(SOLVED, 0.0 * best, acceleration) > 1.5 * least
     for bump in (np.sin(t), np.cos(3 * t), np.exp(-t)):
         for size in (1e-3, -1e-3):
             assert cost(SOLVED, best + size * bump, acceleration) > least

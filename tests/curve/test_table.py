@@ -43,5 +43,5 @@ class Empty(Broken):
 def test_curves_that_are_not_finite_say_where():
     with pytest.raises(InvalidInput, match=r"s = 0\.5"):
         tabulate(Broken(), Tables())
-    with pytest.raises(InvalidInput, match="curve.length = 0.0"):
+    with pytest.raises(InvalidInput, match=r"curve\.length = 0\.0"):
         tabulate(Empty(), Tables())

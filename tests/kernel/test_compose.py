@@ -43,8 +43,7 @@ FIELD = """
 def write(folder, rate):
     (folder / "field.py").write_text(textwrap.dedent(FIELD))
     (folder / "slope.py").write_text(
-        "from osculate.kernel import kernel\n\n@kernel\ndef slope(x):\n"
-        f"    return {rate} * x\n"
+        f"from osculate.kernel import kernel\n\n@kernel\ndef slope(x):\n    return {rate} * x\n"
     )
 
 
@@ -81,7 +80,7 @@ def test_equal_parts_give_the_same_module():
 
 
 def test_an_unknown_template_is_named():
-    with pytest.raises(OsculateError, match="osculate.nothing.here"):
+    with pytest.raises(OsculateError, match=r"osculate\.nothing\.here"):
         compose("osculate.nothing.here", {})
 
 

@@ -55,7 +55,15 @@ def compiled_finite(x):
 
 
 def test_names_and_leaves_go_together():
-    assert list(names(LIKE)) == ["inner.a", "inner.b", "pair.0.a", "pair.0.b", "pair.1.a", "pair.1.b", "c"]
+    assert list(names(LIKE)) == [
+        "inner.a",
+        "inner.b",
+        "pair.0.a",
+        "pair.0.b",
+        "pair.1.a",
+        "pair.1.b",
+        "c",
+    ]
     value = rebuild(LIKE, iter(map(float, range(7))))
     assert list(leaves(value)) == list(range(7))
     assert isinstance(value.pair[1], Inner)
@@ -65,7 +73,9 @@ def test_names_and_leaves_go_together():
 def test_compiled_axpy_rounds_like_python(scale, x, y):
     expected = axpy(scale, x, y)
     assert compiled_axpy(scale, x, y) == expected
-    assert list(leaves(expected)) == [scale * a + b for a, b in zip(leaves(x), leaves(y), strict=True)]
+    assert list(leaves(expected)) == [
+        scale * a + b for a, b in zip(leaves(x), leaves(y), strict=True)
+    ]
 
 
 @given(st.booleans(), outers, outers)

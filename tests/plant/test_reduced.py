@@ -60,5 +60,5 @@ def test_nothing_disturbs_by_default():
 
 
 def test_bad_choices_are_explained():
-    with pytest.raises(InvalidInput, match="Reduced.form = 'exact'.*'corrected' or 'printed'"):
+    with pytest.raises(InvalidInput, match=r"Reduced\.form = 'exact'.*'corrected' or 'printed'"):
         Reduced(form="exact")

@@ -51,7 +51,7 @@ def test_the_array_form_is_the_kernel(profile):
 
 @given(st.floats(0.1, 5), st.floats(-10, 30))
 def test_the_exponential_profile_covers_its_amplitude(decay, amplitude):
-    part, (start, end) = evaluated(Exponential(decay=decay, amplitude=amplitude), [0.0, 60 / decay])
+    _, (start, end) = evaluated(Exponential(decay=decay, amplitude=amplitude), [0.0, 60 / decay])
     assert (start.progress, start.rate) == (0.0, 0.0)
     assert end.progress == pytest.approx(amplitude, abs=1e-12)
     assert abs(end.rate) < 1e-20

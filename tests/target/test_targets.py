@@ -36,13 +36,11 @@ def reference(target, curve, s, v, omega, pace):
     table = tabulate(curve, tables)
     part = target.part(curve, table, Tricycle(), tables)
     motion = Motion(0.0, 0.0, 0.0, v, omega, 0.0)
-    return part.refer(
-        motion, pace, TargetMemory(s, 0.0), part.parameters, table, tables.array
-    )
+    return part.refer(motion, pace, TargetMemory(s, 0.0), part.parameters, table, tables.array)
 
 
-@given(places, speeds, st.floats(-2, 2), speeds)
-def test_slaved_speeds_lie_on_the_curvature_line_when_the_robot_does(s, v, _, v_p):
+@given(places, speeds)
+def test_slaved_speeds_lie_on_the_curvature_line_when_the_robot_does(s, v):
     k = float(CURVE.at(s).curvature)
     pace = Pace(0.0, v, 0.0)
     for target in (Dynamical(), Projected()):
@@ -58,7 +56,7 @@ def test_the_projected_family_has_the_others_as_its_limits(s, v, omega, v_p):
     assert zero == pytest.approx(reference(Dynamical(), CURVE, s, v, omega, pace))
     far = reference(Projected(metric_length=1e7), CURVE, s, v, omega, pace)
     k = float(CURVE.at(s).curvature)
-    assert far.speed == pytest.approx(omega / k, rel=1e-6)
+    assert far.speed == pytest.approx(omega / k, rel=1e-6, abs=1e-9)
     assert far.yaw_rate == pytest.approx(k * v_p, rel=1e-6)
 
 
@@ -68,7 +66,9 @@ def test_slaving_never_feeds_back_more_than_a_quarter(s, length):
     assert 0.0 <= ref.speed_slaving * ref.yaw_slaving <= 0.25 + 1e-12
 
 
-@pytest.mark.parametrize("target", [Dynamical(), Modified(), Projected(), Projected(metric_length=2.0)])
+@pytest.mark.parametrize(
+    "target", [Dynamical(), Modified(), Projected(), Projected(metric_length=2.0)]
+)
 def test_target_rates_are_derivatives_along_the_motion(target):
     """Move the robot a little: the targets change by drift and slaving."""
     s, v, omega, dv, domega = 6.0, 1.3, -0.4, 0.7, -0.9

@@ -63,7 +63,9 @@ def test_energy_is_a_quadratic_form():
     assert kinetic_energy(model, 0.0, 3.0) == pytest.approx(0.5 * 0.81 * 9.0)
 
 
-@pytest.mark.parametrize("field", ["body_mass", "wheel_mass", "wheelbase", "wheel_radius", "track_width"])
+@pytest.mark.parametrize(
+    "field", ["body_mass", "wheel_mass", "wheelbase", "wheel_radius", "track_width"]
+)
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), "heavy", None])
 def test_bad_numbers_are_refused_by_name(field, value):
     with pytest.raises(InvalidInput) as caught:

@@ -1,5 +1,6 @@
 """A closed loop: one choice of every part, made once, before anything runs."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,7 +28,7 @@ from osculate.target import Modified, Reference, Target, TargetMemory
 from osculate.vehicle import Command, Motion, Tricycle
 
 TEMPLATES = "osculate.simulation.templates"
-SPEED_LIMIT = 1e4  # m/s
+SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
 class InitialState(Spec):
@@ -119,7 +120,8 @@ def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
         control=control.parameters,
         curve=table,
         delay=float(clock.delay_steps),
-        finish=curve.length,
+        finish=curve.length if target.follows_path else math.inf,
+        deadline=math.inf if target.follows_path else target.pace.duration,
         speed_limit=SPEED_LIMIT,
     )
     rest = Command(float(np.arctan(robot.wheelbase * start.curvature)), 0.0, 0.0)

@@ -141,6 +141,7 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     columns = {v.name: np.ascontiguousarray(rows[fresh, n]) for n, v in enumerate(ROW)}
     curve = loop.setup.curve
     end = curve.at(curve.length)
+    on_time = loop.parameters.finish > curve.length
     many = summarise(final, last_row(done.last), curve.length, (float(end.x), float(end.y)))
     single = {
         name: None if value is None else np.asarray(value).item()
@@ -148,7 +149,7 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     }
     if not scene.is_empty:
         single["clearance_min"] = float(_clearance(loop.setup, scene, columns).min())
-    return Run(loop.setup, scene, columns, Metrics(**single), _message(code, columns))
+    return Run(loop.setup, scene, columns, Metrics(**single), _message(code, on_time, columns))
 
 
 def _clearance(
@@ -164,10 +165,11 @@ def _clearance(
     )
 
 
-def _message(code: float, columns: dict[str, NDArray[np.float64]]) -> str:
+def _message(code: float, on_time: bool, columns: dict[str, NDArray[np.float64]]) -> str:
     time, speed = columns["time"][-1], columns["speed"][-1]
     if code == FINISHED:
-        return f"reached the end of the path at t = {time:.3f} s, moving at {speed:.3f} m/s"
+        what = "completed its timetable" if on_time else "reached the end of the path"
+        return f"{what} at t = {time:.3f} s, moving at {speed:.3f} m/s"
     if code == DIVERGED:
         return (
             f"diverged after t = {time:.3f} s: the next state is not finite or beyond the speed "

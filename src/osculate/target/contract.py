@@ -55,6 +55,7 @@ class TargetPart:
     parameters: NamedTuple
     pace: PacePart
     known_yaw: ExponentialPace | SampledYaw | None  # None when the yaw target follows the robot
+    follows_path: bool = True  # whether it ends where the path does; else with its timetable
 
 
 class Target(Spec):

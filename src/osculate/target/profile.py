@@ -4,6 +4,7 @@ A profile is a progress of arc length (m) for targets that prescribe the speed, 
 heading (rad) for the modified target, which prescribes the yaw rate.
 """
 
+import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -40,6 +41,7 @@ class PacePart:
     parameters: NamedTuple
     sample: Callable[[NDArray[np.float64]], Pace]  # the same for arrays of times
     horizon: float  # s, after which nothing moves any more to double precision
+    duration: float = math.inf  # s, when the profile is complete
 
 
 class ExponentialPace(NamedTuple):
@@ -211,7 +213,7 @@ def _tabulated(rows: NDArray[np.float64], duration: float, tables: Tables) -> Pa
         columns = progress(np.minimum(t, duration))
         return Pace(columns[:, 0], columns[:, 1], np.where(t > duration, 0.0, columns[:, 2]))
 
-    return PacePart(tabulated_pace, TabulatedPace(grid, duration), sample, duration)
+    return PacePart(tabulated_pace, TabulatedPace(grid, duration), sample, duration, duration)
 
 
 AnyProfile = Annotated[Exponential | Natural | SampledProfile, Field(discriminator="kind")]

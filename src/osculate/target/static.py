@@ -55,4 +55,6 @@ class Static(Target):
         ahead = pace.sample(t)
         point = curve.at(np.asarray(ahead.progress))
         yaw = point.curvature_rate * ahead.rate**2 + point.curvature * ahead.acceleration
-        return TargetPart(refer_static, Nothing(), pace, SampledYaw(float(t[1]), yaw))
+        return TargetPart(
+            refer_static, Nothing(), pace, SampledYaw(float(t[1]), yaw), follows_path=False
+        )

@@ -65,7 +65,7 @@ def advance(
     state = rk4(t, h, run.state, action, p, tables)
     speed = measure(state.plant, p.plant).speed
     wild = finite_sum(state) != 0.0 or not abs(speed) <= p.speed_limit
-    beyond = state.target.arc_length >= p.finish
+    beyond = state.target.arc_length >= p.finish or t + h >= p.deadline
     code = DIVERGED if wild else (FINISHED if beyond else RUNNING)
     going = code == RUNNING
     moved = Progress(
@@ -76,7 +76,7 @@ def advance(
 
 @kernel
 def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables: Any) -> Any:
-    """The last instant of a run: where the path ends if it does, else where its clock stands."""
+    """The last instant of a run: where path or timetable ends if it does, else where it stands."""
     t = run.status.time
     action = hold(age, substeps, run.held, p)
     finished = run.status.code == FINISHED
@@ -86,6 +86,7 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
         speed = measure(state.plant, p.plant).speed
         part = part + (p.finish - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
         part = part if part < h else h
+        part = part if part < p.deadline - t else p.deadline - t
         part = part if part > 0.0 and finished else 0.0
         state = rk4(t, part, run.state, action, p, tables)
     ended = Progress(select(finished, state, run.state), run.held, run.tally, run.status)
