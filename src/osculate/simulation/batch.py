@@ -92,7 +92,7 @@ def simulate_batch(
             starts, pool.map(lambda s: _run(first, columns, s, record_every), starts), strict=True
         ):
             used = min(LANES, count - start)
-            record = np.moveaxis(block.record[..., :used], 2, 0).swapaxes(1, 2)
+            record = np.moveaxis(block.record[..., :used], 2, 0)
             pieces.append((block.runs[:, :used], block.last[:, :used], record))
             done += used
             if report:

@@ -1,0 +1,82 @@
+"""What a run leaves behind: report, metrics, record, pictures."""
+
+import json
+import re
+
+import pytest
+from PIL import Image
+
+from osculate import InvalidInput, Scenario
+from osculate.study.output import write_output
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return Scenario.load("paper")
+
+
+@pytest.fixture(scope="module")
+def run(scenario):
+    return scenario.run()
+
+
+@pytest.fixture(scope="module")
+def folder(scenario, run, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("output") / "deep" / "down"
+    seen = []
+    write_output(run, folder, scenario, animate=True, report=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == pytest.approx(1.0)
+    return folder
+
+
+def test_all_files_are_there(folder):
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        "report.html", "metrics.json", "run.nc", "scenario.json", "animation.gif", "overview.png",
+        "path.png", "speeds.png", "errors.png", "steering.png", "torques.png",
+    }  # fmt: skip
+
+
+def test_metrics_carry_units(folder, run):
+    metrics = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
+    assert metrics["cross_track_rms"] == run.metrics.cross_track_rms
+    assert metrics["units"]["torque_left_max"] == "N m"
+    for name in (
+        "path_length", "duration", "cross_track_max", "heading_error_rms", "clearance_min",
+        "steering_angle_max", "steering_rate_max", "torque_right_max", "end_position_error",
+    ):  # fmt: skip
+        assert isinstance(metrics[name], float), name
+
+
+def test_the_written_scenario_can_be_run_again(folder, scenario):
+    assert Scenario.load(folder / "scenario.json") == scenario
+
+
+def test_the_report_is_one_page_that_works_offline(folder):
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    outside = re.sub(r"<script>.*?</script>", "<script></script>", page, flags=re.DOTALL)
+    assert "http" not in outside
+    assert "<link" not in outside
+    assert "src=" not in outside
+    for heading in ("Path", "Speeds", "Cross-track error", "Steering", "Torques"):
+        assert f"<h2>{heading}</h2>" in page
+    assert "clearance to the obstacle, min" in page
+    for trace in ("obstacle", "footprint", "target curve", "path driven"):
+        assert f'"{trace}"' in page
+
+
+def test_pictures_are_pictures(folder):
+    for name in ("overview.png", "path.png", "torques.png"):
+        with Image.open(folder / name) as image:
+            assert min(image.size) > 300
+            assert len(image.convert("L").getcolors()) > 20
+    with Image.open(folder / "animation.gif") as animation:
+        assert animation.n_frames > 50
+
+
+def test_an_unwritable_folder_is_explained(run, scenario, tmp_path):
+    blocker = tmp_path / "file"
+    blocker.write_text("")
+    with pytest.raises(InvalidInput, match=r"output = .*must be a writable folder"):
+        write_output(run, blocker / "below", scenario)

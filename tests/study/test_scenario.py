@@ -1,0 +1,101 @@
+"""Scenario files: the same fields as the Python objects, and errors that say what to change."""
+
+import pytest
+
+from osculate import (
+    Cycloid,
+    Disturbance,
+    InvalidInput,
+    InvalidScenario,
+    NoSolution,
+    Scenario,
+    Static,
+    simulate,
+)
+from osculate.study.scenario import built_in
+
+
+def write(folder, text):
+    path = folder / "mine.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_all_built_in_scenarios_load_and_describe_themselves():
+    assert set(built_in()) >= {"paper", "paper-static", "paper-disturbed", "projected"}
+    for name in built_in():
+        scenario = Scenario.load(name)
+        assert scenario.name == name
+        assert scenario.description
+
+
+def test_the_default_is_the_papers_experiment():
+    assert Scenario.load("paper").parts == {
+        **Scenario().parts,
+        "scene": Scenario.load("paper").scene,
+    }
+    assert Scenario.load("paper-disturbed").disturbance == Disturbance.external()
+
+
+def test_a_scenario_is_its_dump():
+    scenario = Scenario.load("paper-static")
+    assert isinstance(scenario.target, Static)
+    assert Scenario.parse(scenario.model_dump(mode="json")) == scenario
+
+
+def test_the_cycloid_goes_over_the_first_wall(tmp_path):
+    path = write(
+        tmp_path,
+        """
+        scene: {obstacles: [{kind: wall, distance: 8.0, height: 2.0}]}
+        curve: {kind: cycloid, margin: 0.5}
+        """,
+    )
+    assert Scenario.load(path).curve == Cycloid.over(8.0, 2.0, 0.5)
+
+
+def test_running_a_scenario_is_calling_simulate():
+    scenario = Scenario.load("paper-static")
+    run = scenario.run()
+    again = simulate(scenario.curve, scenario.robot, **scenario.parts)
+    assert run.metrics == again.metrics
+    assert 0.0 < run.metrics.clearance_min < 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("robot: {body_mass: -3}", r"robot\.body_mass = -3: must be greater than 0 \(kg\)"),
+        ("curve: {kind: cycloid, margin: -1}", r"curve\.cycloid\.margin = -1: must be .* 0 \(m\)"),
+        ("robot: {weight: 3}", r"robot\.weight = 3: unknown field; valid fields: kind, body_mass"),
+        ("robots: {}", "robots = {}: unknown field; valid fields: name, description, scene"),
+        ("curve: {kind: circle}", "curve = .*'cycloid', 'parametric'"),
+        ("clock: {step: 0.001}", "clock = .*kind"),
+        ("clock: {kind: continuous, step: .nan}", "step = nan"),
+        ("[1, 2]", "must hold a mapping"),
+        ("curve: {kind: cycloid", "is not valid YAML at line 1"),
+        ("", "must hold a mapping"),
+    ],
+)
+def test_a_wrong_file_is_explained(tmp_path, text, message):
+    with pytest.raises(InvalidInput, match=message):
+        Scenario.load(write(tmp_path, text))
+
+
+def test_all_wrong_fields_are_listed_at_once(tmp_path):
+    path = write(tmp_path, "robot: {body_mass: 0, wheelbase: x}\nclock: {kind: sampled, period: 0}")
+    with pytest.raises(InvalidScenario) as caught:
+        Scenario.load(path)
+    assert len(caught.value.problems) == 3
+    assert all("must be" in problem.valid for problem in caught.value.problems)
+
+
+def test_an_impossible_cycloid_says_what_would_do(tmp_path):
+    path = write(tmp_path, "curve: {kind: cycloid, distance: 5, height: 5}")
+    with pytest.raises(NoSolution, match=r"increase distance above 9\.425 m"):
+        Scenario.load(path)
+
+
+def test_an_unknown_name_lists_the_known_ones():
+    with pytest.raises(InvalidInput, match="must be a YAML file or one of: paper, paper-disturbed"):
+        Scenario.load("papr")
