@@ -66,11 +66,11 @@ def select(condition: bool, x: T, y: T) -> T:
 
 
 def finite_sum(value: Any) -> float:
-    """Sum of all leaves times zero: 0.0 when every leaf is finite, NaN otherwise."""
+    """Zero times the sum of all leaves: 0.0 when all are finite (and their sum is), else NaN."""
     total = 0.0
     for leaf in leaves(value):
-        total = total + leaf * 0.0
-    return total
+        total = total + leaf
+    return total * 0.0
 
 
 def map_leaves(
@@ -135,11 +135,11 @@ def _finite_sum(typingctx: Any, value: Any) -> Any:
         zero = total[0]
 
         def add(leaf: Any) -> Any:
-            total[0] = builder.fadd(total[0], builder.fmul(leaf, zero))
+            total[0] = builder.fadd(total[0], leaf)
             return leaf
 
         map_leaves(context, builder, value, [args[0]], add)
-        return total[0]
+        return builder.fmul(total[0], zero)
 
     return types.float64(value), emit
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,8 +77,17 @@ class Loop:
     initial: Progress
     tables: NDArray[np.float64]
 
+    @cached_property
+    def _engines(self) -> dict[int, Any]:
+        return {}
+
     def engine(self, lanes: int) -> Any:
         """The compiled engine for blocks of ``lanes`` runs."""
+        if lanes not in self._engines:
+            self._engines[lanes] = self._compose(lanes)
+        return self._engines[lanes]
+
+    def _compose(self, lanes: int) -> Any:
         world = "sampled" if isinstance(self.setup.clock, Sampled) else "continuous"
         dynamics = compose(f"{TEMPLATES}.{world}", self.bindings)
         stepper = compose(f"{TEMPLATES}.rk4", {"rates": dynamics.rates})

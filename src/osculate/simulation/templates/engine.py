@@ -25,7 +25,6 @@ if TYPE_CHECKING:  # parts, bound by `compose`
     LANES = 1
     SAMPLED = False
 
-CHECK = 64  # steps between two looks at whether all runs have ended
 LANDINGS = 4  # Newton steps to the instant at which the path ends
 
 
@@ -60,18 +59,25 @@ def observe(
 def advance(
     t: float, h: float, elapsed: float, run: Progress, action: Any, p: Parameters, tables: Any
 ) -> Any:
-    """Observe a run at ``t`` and move it on by ``h``, unless it has ended: then it stays."""
+    """Observe a run at ``t`` and move it on by ``h``, unless it has ended: then it stays.
+
+    A single run is not touched any more once it has ended, so that it needs no such care.
+    """
     row, tally = observe(t, elapsed, run, action, p, tables)
     state = rk4(t, h, run.state, action, p, tables)
     speed = measure(state.plant, p.plant).speed
     wild = finite_sum(state) != 0.0 or not abs(speed) <= p.speed_limit
     beyond = state.target.arc_length >= p.finish or t + h >= p.deadline
     code = DIVERGED if wild else (FINISHED if beyond else RUNNING)
-    going = code == RUNNING
+    running = LANES == 1 or run.status.code == RUNNING
+    going = running and code == RUNNING
     moved = Progress(
-        select(going, state, run.state), run.held, tally, Status(code, t + h if going else t)
+        select(going, state, run.state),
+        run.held,
+        select(running, tally, run.tally),
+        select(running, Status(code, t + h if going else t), run.status),
     )
-    return row, select(run.status.code == RUNNING, moved, run)
+    return row, moved
 
 
 @kernel
@@ -155,6 +161,7 @@ def run_block(
     block = scratch(like, LANES)
     rows = scratch(like_row, LANES)
     copy(runs, block)
+    alone = load(like_parameters, parameters, 0)
     filled = 0
     made = 0
     while made < steps:
@@ -167,7 +174,7 @@ def run_block(
                 store(decided(step * h, substeps * h, run, p, tables), block, lane)
         for lane in range(LANES):
             run = load(like, block, lane)
-            p = load(like_parameters, parameters, lane)
+            p = alone if LANES == 1 else load(like_parameters, parameters, lane)
             action = hold(age, substeps, run.held, p)
             row, moved = advance(step * h, h, h if step > 0 else 0.0, run, action, p, tables)
             store(moved, block, lane)
@@ -176,7 +183,7 @@ def run_block(
             copy(rows, record[filled])
             filled += 1
         made += 1
-        if made % CHECK == 0 and not any_running(like, block):
+        if made % LANES == 0 and not any_running(like, block):
             break
     copy(block, runs)
     return made
