@@ -1,7 +1,8 @@
 """Hooks of the docs build: formulas become MathML, so that pages need no script and no network.
 
 ``$$ ... $$`` is a displayed formula, ``$ ... $`` one in a line. ``{{ model }}`` stands for the equations
-of motion, derived anew at every build.
+of motion, derived anew at every build. Formulas wait behind a mark while Markdown is at work, which
+would take MathML for a block of HTML.
 """
 
 import re
@@ -11,21 +12,38 @@ from latex2mathml.converter import convert
 
 FENCE = re.compile(r"(```.*?```|`[^`\n]+`)", re.DOTALL)
 DISPLAY = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
-INLINE = re.compile(r"(?<![\\$])\$([^$\n]+?)\$")
+INLINE = re.compile(r"(?<![\\$])\$([^$]+?)\$")
+MARK = re.compile(r"<p>%FORMULA(\d+)%</p>|%FORMULA(\d+)%")
+
+_formulas: list[str] = []
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
-    """Called by MkDocs for every page."""
+    """Called by MkDocs before Markdown: hide the formulas."""
     if "{{ model }}" in markdown:
         markdown = markdown.replace("{{ model }}", model())
     parts = FENCE.split(markdown)
-    return "".join(part if n % 2 else formulas(part) for n, part in enumerate(parts))
+    return "".join(part if n % 2 else _hidden(part) for n, part in enumerate(parts))
 
 
-def formulas(text: str) -> str:
-    """Replace every formula by MathML."""
-    text = DISPLAY.sub(lambda m: f"\n<div>{convert(m[1].strip(), display='block')}</div>\n", text)
-    return INLINE.sub(lambda m: convert(m[1]), text)
+def on_page_content(html: str, **_: object) -> str:
+    """Called by MkDocs after Markdown: put the formulas back, as MathML."""
+    return MARK.sub(lambda found: _formulas[int(found[1] or found[2])], html)
+
+
+def _hidden(text: str) -> str:
+    def display(found: re.Match[str]) -> str:
+        formula = convert(found[1].strip(), display="block")
+        block = f'<div style="overflow-x:auto;padding:.3em 0">{formula}</div>'
+        return f"\n\n{_mark(block)}\n\n"
+
+    text = DISPLAY.sub(display, text)
+    return INLINE.sub(lambda found: _mark(convert(found[1])), text)
+
+
+def _mark(formula: str) -> str:
+    _formulas.append(formula)
+    return f"%FORMULA{len(_formulas) - 1}%"
 
 
 @cache
