@@ -51,6 +51,12 @@ class Parametric(Curve):
     y: str | Callable[[float], float] = quantity("m", "y(p), a formula in p or a function")
     start: float = quantity("1", "first parameter", default=0.0)
     end: float = quantity("1", "last parameter", default=1.0)
+    loop: bool = quantity("1", "whether its end continues into its start", default=False)
+
+    @property
+    def closed(self) -> bool:
+        """See `Curve.closed`."""
+        return self.loop
 
     @model_validator(mode="after")
     def _forward(self) -> "Parametric":

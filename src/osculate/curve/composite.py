@@ -1,0 +1,148 @@
+"""Curves made of curves: pieces one after the other, and laps of a closed one."""
+
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import SerializeAsAny, field_validator, model_validator
+
+from osculate.curve.contract import Curve, CurvePoint
+from osculate.errors import InvalidInput
+from osculate.spec import quantity
+
+
+def as_curve(value: Any) -> Curve:
+    """A curve from a curve or from plain data such as a YAML file holds."""
+    if isinstance(value, Curve):
+        return value
+    from osculate.curve import parse_curve  # it knows all kinds, this one among them
+
+    return parse_curve(value)
+
+
+class Composite(Curve):
+    """Curves joined end to start, checked for jumps of position, heading and curvature.
+
+    Raises:
+        InvalidInput: A join is not smooth enough; says which one, where and how much it jumps.
+    """
+
+    kind: Literal["composite"] = "composite"
+    pieces: tuple[SerializeAsAny[Curve], ...]
+    position_jump: float = quantity("m", "largest jump of position allowed", default=1e-6, ge=0)
+    heading_jump: float = quantity("rad", "largest jump of heading allowed", default=1e-6, ge=0)
+    curvature_jump: float = quantity("1/m", "largest jump of curvature allowed", default=1e-4, ge=0)
+
+    @field_validator("pieces", mode="before")
+    @classmethod
+    def _parsed(cls, pieces: Any) -> Any:
+        if not isinstance(pieces, (list, tuple)) or not pieces:
+            raise ValueError("must be a list of at least one curve")
+        return tuple(as_curve(piece) for piece in pieces)
+
+    @model_validator(mode="after")
+    def _joined(self) -> Self:
+        place = 0.0
+        for n, (before, after) in enumerate(pairwise(self.pieces)):
+            place += before.length
+            check_join(
+                before, after, f"pieces.{n + 1}", place,
+                (self.position_jump, self.heading_jump, self.curvature_jump),
+            )  # fmt: skip
+        return self
+
+    @cached_property
+    def _ends(self) -> Any:
+        return np.cumsum([piece.length for piece in self.pieces])
+
+    @cached_property
+    def _turns(self) -> list[float]:
+        """Whole turns to add to the headings of each piece so that they continue."""
+        turns = [0.0]
+        for before, after in pairwise(self.pieces):
+            end = float(before.at(before.length).heading) + turns[-1]
+            turns.append(
+                float(2.0 * np.pi * np.round((end - float(after.at(0.0).heading)) / (2.0 * np.pi)))
+            )
+        return turns
+
+    @property
+    def length(self) -> float:
+        """See `Curve.length`."""
+        return float(self._ends[-1])
+
+    def at(self, arc_length: ArrayLike) -> CurvePoint:
+        """See `Curve.at`."""
+        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
+        flat = s.ravel()
+        which = np.minimum(np.searchsorted(self._ends, flat, side="right"), len(self._ends) - 1)
+        columns = np.empty((5, flat.size))
+        for n, piece in enumerate(self.pieces):
+            here = which == n
+            if here.any():
+                point = piece.at(flat[here] - (self._ends[n] - piece.length))
+                columns[:, here] = np.stack(point)
+                columns[2, here] += self._turns[n]
+        return CurvePoint(*(column.reshape(s.shape) for column in columns))
+
+
+class Laps(Curve):
+    """A closed curve, driven around several times."""
+
+    kind: Literal["laps"] = "laps"
+    track: SerializeAsAny[Curve]
+    count: int = quantity("1", "number of laps", default=2, ge=1)
+
+    @field_validator("track", mode="before")
+    @classmethod
+    def _parsed(cls, track: Any) -> Any:
+        return as_curve(track)
+
+    @model_validator(mode="after")
+    def _closed(self) -> Self:
+        if not self.track.closed:
+            raise InvalidInput("track", type(self.track).__name__, "must be a closed curve")
+        return self
+
+    @property
+    def closed(self) -> bool:
+        """See `Curve.closed`."""
+        return True
+
+    @property
+    def length(self) -> float:
+        """See `Curve.length`."""
+        return self.track.length * self.count
+
+    def at(self, arc_length: ArrayLike) -> CurvePoint:
+        """See `Curve.at`."""
+        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
+        lap = np.minimum(np.floor(s / self.track.length), self.count - 1)
+        point = self.track.at(s - lap * self.track.length)
+        return point._replace(heading=point.heading + lap * self.track.total_turn)
+
+
+def check_join(
+    before: Curve, after: Curve, field: str, place: float, allowed: tuple[float, float, float]
+) -> None:
+    """Refuse a jump from the end of one curve to the start of the next.
+
+    Raises:
+        InvalidInput: Says where (arc length, m), how much, and how much is allowed.
+    """
+    end, start = before.at(before.length), after.at(0.0)
+    turn = float(start.heading) - float(end.heading)
+    jumps = (
+        ("position", float(np.hypot(start.x - end.x, start.y - end.y)), "m"),
+        ("heading", abs(turn - 2.0 * np.pi * round(turn / (2.0 * np.pi))), "rad"),
+        ("curvature", abs(float(start.curvature) - float(end.curvature)), "1/m"),
+    )
+    for (what, jump, unit), limit in zip(jumps, allowed, strict=True):
+        if jump > limit:
+            raise InvalidInput(
+                field,
+                type(after).__name__,
+                f"its {what} jumps by {jump:.4g} {unit} at s = {place:.6g} m; at most {limit:g} {unit}",
+            )
