@@ -28,8 +28,15 @@ class Curvature(NamedTuple):
     curvature_rate: float  # 1/m², dκ/ds
 
 
-def tabulate(curve: Curve, tables: Tables, cells: int = CELLS) -> CurveTable:
+def tabulate(curve: Curve, tables: Tables, cells: int = CELLS, margin: float = 0.0) -> CurveTable:
     """Append the table of ``curve`` to ``tables``.
+
+    Args:
+        curve: What to tabulate.
+        tables: Where to.
+        cells: Resolution, on the curve itself.
+        margin: How far (m) the table goes on beyond both ends: along the osculating circle there, or
+            around the lap of a closed curve.
 
     Raises:
         InvalidInput: The curve has no length, or is not finite somewhere (says where).
@@ -37,8 +44,11 @@ def tabulate(curve: Curve, tables: Tables, cells: int = CELLS) -> CurveTable:
     length = curve.length
     if not (math.isfinite(length) and length > 0):
         raise InvalidInput("curve.length", length, "must be a positive, finite length (m)")
-    s = np.linspace(0.0, length, cells + 1)
-    point = curve.at(s)
+    step = length / cells
+    extra = math.ceil(margin / step)
+    s = np.arange(-extra, cells + extra + 1) * step
+    s[extra + cells] = length
+    point = _extended(curve, s)
     rows = np.stack(
         [
             point.x,
@@ -55,7 +65,27 @@ def tabulate(curve: Curve, tables: Tables, cells: int = CELLS) -> CurveTable:
     if bad.any():
         where = float(s[bad.argmax()])
         raise InvalidInput("curve", f"not finite at s = {where:.6g} m", "must be smooth and finite")
-    return CurveTable(tables.add(rows, 0.0, length / cells), length)
+    return CurveTable(tables.add(rows, -extra * step, step), length)
+
+
+def _extended(curve: Curve, s: NDArray[Any]) -> CurvePoint:
+    """The curve at arc lengths (m) that may lie beyond its ends."""
+    if curve.closed:
+        lap = np.floor(s / curve.length) * ((s < 0.0) | (s > curve.length))
+        point = curve.at(s - lap * curve.length)
+        return point._replace(heading=point.heading + lap * curve.total_turn)
+    end = curve.at(np.clip(s, 0.0, curve.length))
+    over = s - np.clip(s, 0.0, curve.length)
+    turn = end.curvature * over
+    chord = over * np.sinc(turn / (2.0 * np.pi))  # of the osculating circle
+    direction = end.heading + 0.5 * turn
+    return CurvePoint(
+        x=end.x + chord * np.cos(direction),
+        y=end.y + chord * np.sin(direction),
+        heading=end.heading + turn,
+        curvature=end.curvature,
+        curvature_rate=np.where(over == 0.0, end.curvature_rate, 0.0),
+    )
 
 
 @kernel

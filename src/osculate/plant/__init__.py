@@ -1,7 +1,14 @@
 """What happens: one file per plant, and what disturbs it."""
 
+from typing import Annotated
+
+from pydantic import Field
+
+from osculate.plant.actuated import Actuated
 from osculate.plant.contract import Plant, PlantPart, Push
 from osculate.plant.disturbance import Disturbance
 from osculate.plant.reduced import Reduced
 
-__all__ = ["Disturbance", "Plant", "PlantPart", "Push", "Reduced"]
+AnyPlant = Annotated[Reduced | Actuated, Field(discriminator="kind")]
+
+__all__ = ["Actuated", "AnyPlant", "Disturbance", "Plant", "PlantPart", "Push", "Reduced"]

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -153,7 +153,7 @@ def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
                 "must have the same kinds of parts and clock as run 0",
             )
     whole = tables.array
-    return [Loop(c.setup, c.bindings, c.parameters, c.initial, whole) for c in loops]
+    return [replace(loop, tables=whole) for loop in loops]
 
 
 class _Columns:

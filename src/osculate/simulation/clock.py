@@ -65,10 +65,17 @@ class Sampled(Clock):
     kind: Literal["sampled"] = "sampled"
     period: float = quantity("s", "time between two decisions", default=1e-2, gt=0)
     delay: float = quantity("s", "time from a decision to its effect", default=0.0, ge=0)
+    unknown_delay: float = quantity(
+        "s", "more of the same, of which the law does not know", default=0.0, ge=0
+    )
 
     @model_validator(mode="after")
     def _whole_steps(self) -> "Sampled":
-        for field, value in (("period", self.period), ("delay", self.delay)):
+        for field, value in (
+            ("period", self.period),
+            ("delay", self.delay),
+            ("unknown_delay", self.unknown_delay),
+        ):
             ratio = value / self.step
             if not math.isclose(ratio, round(ratio), abs_tol=1e-6):
                 raise InvalidInput(field, value, f"must be a multiple of step = {self.step:g} s")
@@ -84,7 +91,7 @@ class Sampled(Clock):
     @property
     def delay_steps(self) -> int:
         """See `Clock.delay_steps`."""
-        return round(self.delay / self.step)
+        return round((self.delay + self.unknown_delay) / self.step)
 
     def check(self, fastest_rate: float) -> None:
         """See `Clock.check`."""

@@ -8,8 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control import Controller, CurvatureLaw, Errors, Start
-from osculate.curve import Curve, tabulate
+from osculate.control import Controller, ControlPart, CurvatureLaw, Errors, Start
+from osculate.control.tracking import PathTracker, Road
+from osculate.curve import Curve, CurveTable, tabulate
+from osculate.curve.table import CELLS
+from osculate.errors import InvalidInput
 from osculate.kernel import Nothing, Tables, compose, leaves
 from osculate.plant import Disturbance, Plant, Reduced
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
@@ -25,24 +28,38 @@ from osculate.simulation.records import (
 )
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
-from osculate.target import Modified, Reference, Target, TargetMemory
+from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory, plan_speed
+from osculate.target.speed import require_valid
 from osculate.vehicle import Command, Motion, Tricycle
 
+FINEST_TABLE = 0.02  # m, longest cell of a tracked curve
+BEYOND = 2.0  # m, how far a tracked curve is known beyond its ends
 TEMPLATES = "osculate.simulation.templates"
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
 class InitialState(Spec):
-    """Where a run starts, relative to the start of the curve; by default on it and at rest."""
+    """Where a run starts, relative to the curve; by default at its start, on it and at rest."""
 
     cross_track: float = quantity("m", "lateral offset, left of the curve is positive", default=0.0)
     heading_error: float = quantity("rad", "heading minus the curve's", default=0.0)
     speed: float = quantity("m/s", "initial speed", default=0.0)
     yaw_rate: float = quantity("rad/s", "initial yaw rate", default=0.0)
+    arc_length: float = quantity("m", "where on the curve, from its start", default=0.0, ge=0)
 
     def on(self, curve: Curve) -> Start:
-        """The initial state in the map frame."""
-        point = curve.at(0.0)
+        """The initial state in the map frame.
+
+        Raises:
+            InvalidInput: A start beyond the end of the curve.
+        """
+        if self.arc_length >= curve.length:
+            raise InvalidInput(
+                "initial.arc_length",
+                self.arc_length,
+                f"must be below the curve's length of {curve.length:.6g} m",
+            )
+        point = curve.at(self.arc_length)
         heading = float(point.heading)
         return Start(
             x=float(point.x) - self.cross_track * np.sin(heading),
@@ -65,6 +82,7 @@ class Setup(NamedTuple):
     disturbance: Disturbance = Disturbance()
     clock: Clock = Continuous()
     initial: InitialState = InitialState()
+    limits: Limits = Limits()
 
 
 @dataclass(frozen=True)
@@ -76,6 +94,7 @@ class Loop:
     parameters: Parameters
     initial: Progress
     tables: NDArray[np.float64]
+    plan: SpeedPlan | None = None  # of a path tracker
 
     @cached_property
     def _engines(self) -> dict[int, Any]:
@@ -89,7 +108,11 @@ class Loop:
 
     def _compose(self, lanes: int) -> Any:
         world = "sampled" if isinstance(self.setup.clock, Sampled) else "continuous"
-        dynamics = compose(f"{TEMPLATES}.{world}", self.bindings)
+        bindings = self.bindings
+        if world == "sampled":
+            law = "held" if self.plan is None else "tracked"
+            bindings = {**bindings, "step": compose(f"{TEMPLATES}.{law}", bindings).step}
+        dynamics = compose(f"{TEMPLATES}.{world}", bindings)
         stepper = compose(f"{TEMPLATES}.rk4", {"rates": dynamics.rates})
         return compose(
             f"{TEMPLATES}.engine",
@@ -112,34 +135,92 @@ def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
 
     Raises:
         InvalidInput: Parts that do not fit each other, or a step too large for the loop.
+        NoSolution: The robot cannot follow the curve.
     """
-    curve, robot, clock = setup.curve, setup.robot, setup.clock
     tables = tables or Tables()
+    if isinstance(setup.controller, PathTracker):
+        return _close_tracking(setup, setup.controller, tables)
+    return _close_target(setup, tables)
+
+
+def _close_target(setup: Setup, tables: Tables) -> Loop:
+    """A law that follows a target of speeds over time."""
+    curve, robot, clock = setup.curve, setup.robot, setup.clock
     table = tabulate(curve, tables)
     start = setup.initial.on(curve)
-    plant = setup.plant.part(robot, start)
     target = setup.target.part(curve, table, robot, tables)
     control = setup.controller.part(setup.plant.model(robot), target, start, tables)
     clock.check(control.fastest_rate)
+    parts = {
+        "pace": target.pace.parameters,
+        "target": target.parameters,
+        "finish": curve.length if target.follows_path else math.inf,
+        "path_end": math.inf,
+        "deadline": math.inf if target.follows_path else target.pace.duration,
+    }
+    bindings = {"control": control.control, "refer": target.refer, "pace": target.pace.pace}
+    return _assemble(setup, table, start, control, parts, bindings, tables, None)
+
+
+def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
+    """A law that follows the curve itself at the speeds of a plan."""
+    curve, robot, clock = setup.curve, setup.robot, setup.clock
+    if not isinstance(clock, Sampled):
+        raise InvalidInput(
+            "clock", clock, "a path tracker decides at instants; must be Sampled(...)"
+        )
+    if isinstance(setup.plant, Reduced):
+        raise InvalidInput(
+            "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
+        )
+    require_valid(setup.limits)
+    plan = plan_speed(curve, robot, setup.limits)
+    cells = max(CELLS, math.ceil(curve.length / FINEST_TABLE))
+    table = tabulate(curve, tables, cells, BEYOND + 2.0 * robot.wheelbase)
+    start = setup.initial.on(curve)
+    road = Road(
+        robot, table, plan.table(tables), float(plan.speed[0]), clock.period,
+        round(clock.delay / clock.period),
+    )  # fmt: skip
+    control = law.tracking_part(road, start, setup.initial.arc_length)
+    parts = {
+        "pace": Nothing(),
+        "target": Nothing(),
+        "finish": math.inf,
+        "path_end": curve.length,
+        "deadline": math.inf,
+    }
+    return _assemble(setup, table, start, control, parts, {"track": control.control}, tables, plan)
+
+
+def _assemble(
+    setup: Setup,
+    table: CurveTable,
+    start: Start,
+    control: ControlPart,
+    parts: dict[str, Any],
+    bindings: dict[str, Any],
+    tables: Tables,
+    plan: SpeedPlan | None,
+) -> Loop:
+    clock = setup.clock
+    plant = setup.plant.part(setup.robot, start)
     sampled = isinstance(clock, Sampled)
     parameters = Parameters(
         plant=plant.parameters,
         disturbance=setup.disturbance.parameters(),
-        pace=target.pace.parameters,
-        target=target.parameters,
         control=control.parameters,
         curve=table,
         delay=float(clock.delay_steps),
-        finish=curve.length if target.follows_path else math.inf,
-        deadline=math.inf if target.follows_path else target.pace.duration,
         speed_limit=SPEED_LIMIT,
+        **parts,
     )
-    rest = Command(float(np.arctan(robot.wheelbase * start.curvature)), 0.0, 0.0)
-    heading = float(curve.at(0.0).heading)
+    rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
+    place = setup.initial.arc_length
     state = State(
         plant.state,
         DisturbanceMemory(0.0),
-        TargetMemory(0.0, heading),
+        TargetMemory(place, float(setup.curve.at(place).heading)),
         Nothing() if sampled else control.memory,
     )
     held = (
@@ -147,17 +228,14 @@ def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
         if isinstance(clock, Sampled)
         else Nothing()
     )
-    bindings = {
-        "control": control.control,
+    shared = {
         "disturb": disturb,
         "perceive": perceive,
         "measure": plant.measure,
         "plant_rates": plant.rates,
-        "refer": target.refer,
-        "pace": target.pace.pace,
     }
-    initial = Progress(state, held, empty_tally(0.0), Status(RUNNING, 0.0))
-    return Loop(setup, bindings, parameters, initial, tables.array)
+    initial = Progress(state, held, empty_tally(place), Status(RUNNING, 0.0))
+    return Loop(setup, {**bindings, **shared}, parameters, initial, tables.array, plan)
 
 
 def blank_row() -> Row:

@@ -1,5 +1,6 @@
 """One simulated run: record, metrics and the objects it was made from."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +21,7 @@ from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.records import DIVERGED, FINISHED
 from osculate.simulation.variables import ROW
-from osculate.target import Target
+from osculate.target import Limits, Target
 from osculate.vehicle import Tricycle
 
 
@@ -87,7 +88,7 @@ def simulate(
         robot: The robot; by default the paper's.
         scene: Obstacles, for the clearance.
         report: Called with the fraction of the run that is done.
-        **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``;
+        **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``, ``limits``;
             whatever is left out is the paper's.
 
     Returns:
@@ -109,6 +110,7 @@ PARTS = {
     "disturbance": Disturbance,
     "clock": Clock,
     "initial": InitialState,
+    "limits": Limits,
 }
 
 
@@ -141,7 +143,7 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     columns = {v.name: np.ascontiguousarray(rows[fresh, n]) for n, v in enumerate(ROW)}
     curve = loop.setup.curve
     end = curve.at(curve.length)
-    on_time = loop.parameters.finish > curve.length
+    on_time = loop.parameters.deadline < math.inf
     many = summarise(final, last_row(done.last), curve.length, (float(end.x), float(end.y)))
     single = {
         name: None if value is None else np.asarray(value).item()

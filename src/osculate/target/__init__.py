@@ -9,6 +9,7 @@ from osculate.target.dynamical import Dynamical
 from osculate.target.modified import Modified
 from osculate.target.profile import AnyProfile, Exponential, Natural, Profile, SampledProfile
 from osculate.target.projected import Projected
+from osculate.target.speed import Limits, SpeedPlan, plan_speed
 from osculate.target.static import Static
 
 AnyTarget = Annotated[Static | Dynamical | Modified | Projected, Field(discriminator="kind")]
@@ -18,14 +19,17 @@ __all__ = [
     "AnyTarget",
     "Dynamical",
     "Exponential",
+    "Limits",
     "Modified",
     "Natural",
     "Profile",
     "Projected",
     "Reference",
     "SampledProfile",
+    "SpeedPlan",
     "Static",
     "Target",
     "TargetMemory",
     "TargetPart",
+    "plan_speed",
 ]

@@ -1,7 +1,18 @@
-"""The robot: parameters with units and sources, its reduced dynamics, what it does and is told."""
+"""The robot: parameters with units and sources, its dynamics, what it does and is told."""
 
+from osculate.vehicle.actuators import Actuators
+from osculate.vehicle.catalogue import VEHICLES, vehicle
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Footprint, Tricycle
 
-__all__ = ["Command", "Footprint", "Motion", "ReducedModel", "Tricycle"]
+__all__ = [
+    "VEHICLES",
+    "Actuators",
+    "Command",
+    "Footprint",
+    "Motion",
+    "ReducedModel",
+    "Tricycle",
+    "vehicle",
+]

@@ -53,6 +53,41 @@ def drive_torque(
 
 
 @kernel
+def steered_acceleration(
+    model: ReducedModel, tangent: float, steering_rate: float, speed: float, torque: float
+) -> float:
+    """v̇ (m/s²) of a robot whose steering angle is a state of its own, eq. (16) corrected.
+
+    Divided by a² cos² φ, eq. (16) needs only tan φ:
+    (m + J tan² φ / a²) v̇ = r u₂ − J tan φ (1 + tan² φ) φ̇ v / a².
+    """
+    return (model.wheel_radius * torque - _swing(model, tangent, steering_rate, speed)) / _carried(
+        model, tangent
+    )
+
+
+@kernel
+def steered_torque(
+    model: ReducedModel, tangent: float, steering_rate: float, speed: float, acceleration: float
+) -> float:
+    """The total drive torque u₂ (N m) that gives v̇ (m/s²): the inverse of `steered_acceleration`."""
+    swing = _swing(model, tangent, steering_rate, speed)
+    return (acceleration * _carried(model, tangent) + swing) * model.traction
+
+
+@kernel
+def _carried(model: ReducedModel, tangent: float) -> float:
+    per_length = tangent / model.wheelbase
+    return model.drive_inertia + model.turn_inertia * per_length * per_length
+
+
+@kernel
+def _swing(model: ReducedModel, tangent: float, steering_rate: float, speed: float) -> float:
+    bend = tangent * (1.0 + tangent * tangent) / (model.wheelbase * model.wheelbase)
+    return model.turn_inertia * bend * steering_rate * speed
+
+
+@kernel
 def _effective_inertia(model: ReducedModel, curvature: float) -> float:
     excess = model.turn_inertia - model.coupling
     return model.drive_inertia + excess * curvature * curvature

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 
 from osculate.errors import InvalidInput
 from osculate.spec import Spec, quantity
+from osculate.vehicle.actuators import Actuators
 from osculate.vehicle.model import ReducedModel
 
 
@@ -59,6 +60,18 @@ class Tricycle(Spec):
         "m", "width of a wheel; the footprint ends at the tyres' outer faces", default=0.04, gt=0
     )
     gravity: float = quantity("m/s²", "gravitational acceleration, g", default=9.8, gt=0)
+    centre_height: float = quantity("m", "height of the centre of mass", default=0.15, gt=0)
+    centre_ahead: float = quantity(
+        "m", "centre of mass from the axle towards the steered wheel", default=0.2
+    )
+    overhang: float = quantity(
+        "m",
+        "from the steered wheel's and the axle's outer points to the body's ends",
+        default=0.0,
+        ge=0,
+    )
+    steered: Literal["front", "rear"] = "front"
+    actuators: Actuators = Actuators()
 
     @cached_property
     def total_mass(self) -> float:
@@ -89,11 +102,35 @@ class Tricycle(Spec):
     @property
     def footprint(self) -> Footprint:
         """Rectangle around the wheels and the body."""
-        return Footprint(
-            front=self.wheelbase + self.wheel_radius,
-            rear=self.wheel_radius,
-            half_width=self.track_width / 2 + self.wheel_width / 2,
-        )
+        steered = self.wheelbase + self.wheel_radius + self.overhang
+        fixed = self.wheel_radius + self.overhang
+        half_width = self.track_width / 2 + self.wheel_width / 2
+        if self.steered == "rear":
+            return Footprint(front=fixed, rear=steered, half_width=half_width)
+        return Footprint(front=steered, rear=fixed, half_width=half_width)
+
+    @property
+    def weight(self) -> float:
+        """Weight (N)."""
+        return (self.body_mass + 3 * self.wheel_mass) * self.gravity
+
+    @property
+    def tipping_acceleration(self) -> float:
+        """Lateral acceleration (m/s²) at which the inner drive wheel lifts.
+
+        The robot tips about the line from its steered wheel to the outer drive wheel, which passes the
+        centre of mass at (d/2) (1 − x/a) to its side.
+        """
+        support = self.track_width / 2 * (1.0 - self.centre_ahead / self.wheelbase)
+        return self.gravity * support / self.centre_height
+
+    def wheel_angle(self, steering_angle: float) -> float:
+        """Angle (rad) of the steered wheel against the body for a steering angle of the model.
+
+        The model steers a wheel ahead of the axle. A wheel behind it describes the same circle when it
+        is turned to the other side: minus the angle.
+        """
+        return -steering_angle if self.steered == "rear" else steering_angle
 
     def reduced_model(self, form: str = "corrected") -> ReducedModel:
         """Coefficients of eq. (16), solved for v̇, for the kernels.

@@ -67,7 +67,12 @@ def advance(
     state = rk4(t, h, run.state, action, p, tables)
     speed = measure(state.plant, p.plant).speed
     wild = finite_sum(state) != 0.0 or not abs(speed) <= p.speed_limit
-    beyond = state.target.arc_length >= p.finish or t + h >= p.deadline
+    travelled = state.target.arc_length - run.state.target.arc_length
+    beyond = (
+        state.target.arc_length >= p.finish
+        or tally.foot + travelled >= p.path_end
+        or t + h >= p.deadline
+    )
     code = DIVERGED if wild else (FINISHED if beyond else RUNNING)
     running = LANES == 1 or run.status.code == RUNNING
     going = running and code == RUNNING
@@ -88,9 +93,11 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
     finished = run.status.code == FINISHED
     part = 0.0
     state = run.state
+    goal = run.state.target.arc_length + p.path_end - run.tally.foot
+    goal = p.finish if p.finish < goal else goal
     for _ in range(LANDINGS):
         speed = measure(state.plant, p.plant).speed
-        part = part + (p.finish - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
+        part = part + (goal - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
         part = part if part < h else h
         part = part if part < p.deadline - t else p.deadline - t
         part = part if part > 0.0 and finished else 0.0

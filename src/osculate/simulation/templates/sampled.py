@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.kernel import Nothing, axpy, kernel, select
+from osculate.kernel import Nothing, kernel, select
 from osculate.simulation.records import Action, Held, Parameters, Progress, State
 from osculate.target.contract import TargetMemory
 
 if TYPE_CHECKING:  # parts, bound by `compose`
-    from osculate.control.templates.curvature_law import curvature_law as control
     from osculate.plant.disturbance import disturb, perceive
     from osculate.plant.reduced import measure_reduced as measure
     from osculate.plant.reduced import reduced_rates as plant_rates
-    from osculate.target.modified import refer_modified as refer
-    from osculate.target.profile import exponential_pace as pace
+    from osculate.simulation.templates.held import step
 
 NOTHING = Nothing()
 
@@ -32,9 +30,9 @@ def decide(
     """Let the law see the motion and decide; its memory moves on by one period."""
     state, held = run.state, run.held
     motion = perceive(measure(state.plant, p.plant), state.disturbance)
-    reference = refer(motion, pace(t, p.pace, tables), state.target, p.target, p.curve, tables)
-    command, rate, errors = control(t, motion, reference, held.memory, p.control, tables)
-    memory = axpy(period, rate, held.memory)
+    command, memory, reference, errors = step(
+        t, period, motion, state.target, held.memory, p, tables
+    )
     return Held(memory, reference, errors, (command,) + held.commands[:-1])
 
 

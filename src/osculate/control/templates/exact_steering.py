@@ -1,0 +1,114 @@
+"""Template: steering along the ideal motion, through the servo's inverse, with one law's demand."""
+
+from math import sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.control.tracking.contract import View, foot_of
+from osculate.control.tracking.curvature_tracker import (
+    LEAST,
+    ExactParameters,
+    Frame,
+    Wish,
+    clamp_error,
+)
+from osculate.control.tracking.pipe import look_ahead
+from osculate.curve.table import CurveTable, curvature_at
+from osculate.kernel import Nothing, kernel
+from osculate.kernel.maths import atan, sincos, tan
+
+if TYPE_CHECKING:  # part, bound by `compose`
+    from osculate.control.tracking.curvature_tracker import demand_exactly as demand
+
+
+@kernel
+def wish(
+    at: Frame, speed: float, p: ExactParameters, curve: CurveTable, tables: NDArray[np.float64]
+) -> Wish:
+    """What the law wants at a place of the path frame."""
+    k, dk = curvature_at(at.arc_length, curve, tables)
+    q = 1.0 - k * at.aside
+    q = q if q > LEAST else LEAST
+    sine, cosine = clamp_error(at.heading_error)
+    length = p.time * speed
+    length = length if length > p.shortest else p.shortest
+    turn = demand(at.aside, sine, cosine, q, k, dk, length, p)
+    pace = cosine / q
+    angle = atan(p.wheelbase * pace * (k + turn))
+    real_sine, real_cosine = sincos(at.heading_error)
+    return Wish(angle, q * real_sine / (cosine if cosine > 0.1 else 0.1), turn, real_cosine / q)
+
+
+@kernel
+def follow(
+    at: Frame, first: Wish, speed: float, p: ExactParameters, curve: CurveTable, tables: Any
+) -> Frame:
+    """The ideal motion one horizon later, by the midpoint rule."""
+    half = 0.5 * p.horizon * speed
+    step = half * first.pace
+    middle = Frame(
+        at.arc_length + step,
+        at.aside + step * first.aside_rate,
+        at.heading_error + step * first.turn,
+    )
+    inner = wish(middle, speed, p, curve, tables)
+    step = 2.0 * half * inner.pace
+    return Frame(
+        at.arc_length + step,
+        at.aside + step * inner.aside_rate,
+        at.heading_error + step * inner.turn,
+    )
+
+
+@kernel
+def caution(
+    now: Wish, rate: float, angle: float, speed: float, length: float, p: ExactParameters
+) -> float:
+    """The largest speed (m/s) at which the robot can do what the law wants.
+
+    Lateral acceleration of the wanted curvature, rate of the wanted angle, and time for the servo to
+    come near the wanted angle before the robot has gone a quarter of its recovery length.
+    """
+    bend = abs(tan(now.steering_angle)) / p.wheelbase
+    bound = sqrt(p.lateral / (bend if bend > 1e-6 else 1e-6))
+    turning = abs(rate)
+    slower = speed * p.steering_rate / (turning if turning > p.steering_rate else p.steering_rate)
+    slower = slower if turning > p.steering_rate else 1e3
+    late = abs(now.steering_angle - angle) - 0.1
+    reach = 0.25 * length * p.steering_rate / (late if late > 1e-3 else 1e-3)
+    bound = bound if bound < slower else slower
+    bound = bound if bound < reach else reach
+    return bound if bound > 0.05 else 0.05
+
+
+@kernel
+def steer_exactly(
+    view: View, memory: Nothing, p: ExactParameters, curve: CurveTable, tables: NDArray[np.float64]
+) -> Any:
+    """Steering command, speed bound and memory: see `osculate.control.tracking.curvature_tracker`."""
+    pose = look_ahead(view, p.pipe)
+    moved = view.foot.arc_length + p.pipe.delay * p.pipe.period * view.motion.speed
+    foot = foot_of(pose.x, pose.y, pose.heading, moved, curve, tables)
+    speed = pose.speed if pose.speed > 0.02 else 0.02
+
+    at0 = Frame(foot.arc_length, foot.aside, foot.heading_error)
+    wish0 = wish(at0, speed, p, curve, tables)
+    at1 = follow(at0, wish0, speed, p, curve, tables)
+    wish1 = wish(at1, speed, p, curve, tables)
+    at2 = follow(at1, wish1, speed, p, curve, tables)
+    wish2 = wish(at2, speed, p, curve, tables)
+
+    early, middle, late = wish0.steering_angle, wish1.steering_angle, wish2.steering_angle
+    rate = (3.0 * late - 4.0 * middle + early) / (2.0 * p.horizon)
+    command = (
+        p.angle_gain * late
+        + p.rate_gain * rate
+        + p.angle_feedback * pose.steering.angle
+        + p.rate_feedback * pose.steering.rate
+    )
+    length = p.time * speed
+    length = length if length > p.shortest else p.shortest
+    bound = caution(wish0, rate, pose.steering.angle, speed, length, p)
+    return command, bound, memory

@@ -1,0 +1,169 @@
+"""The contract of path trackers: what they see, what they decide, what they remember.
+
+A tracker decides once a period. Its steering law is a kernel
+
+    steer(view, memory, parameters, curve, tables) -> (steering angle, speed bound, memory)
+
+and everything else (progress, servo observer, speed loop) is the same for all of them, so that a
+comparison compares steering laws. Progress along the curve is memory, moved by the speed and corrected
+by a projection that starts where the robot was: nothing searches, a curve that crosses itself is fine.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.control.contract import Controller, ControlPart, Start
+from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
+from osculate.curve.table import CurveTable, point_at
+from osculate.kernel import Grid, Tables, compose, kernel
+from osculate.kernel.maths import sincos, wrap_angle
+from osculate.target.contract import TargetPart
+from osculate.vehicle.actuators import ServoStep, Steering
+from osculate.vehicle.model import ReducedModel
+from osculate.vehicle.motion import Motion
+from osculate.vehicle.tricycle import Tricycle
+
+NEAREST = 0.2  # 1 − κ y is kept above this: nearer to the centre of curvature nothing is unique
+
+
+class Foot(NamedTuple):
+    """A pose in the path frame."""
+
+    arc_length: float  # m, of the nearest point
+    aside: float  # m, y: left of the path is positive
+    heading_error: float  # rad, e: robot minus path
+    curvature: float  # 1/m, κ of the path there
+    curvature_rate: float  # 1/m², dκ/ds
+
+
+class Issued(NamedTuple):
+    """A decision that does not act yet."""
+
+    steering_angle: float  # rad
+    speed: float  # m/s, the speed it is meant to lead to
+
+
+class View(NamedTuple):
+    """What a steering law sees."""
+
+    motion: Motion  # measured
+    foot: Foot  # of the measured pose
+    steering: Steering  # angle as measured, rate as observed
+    acceleration: float  # m/s², expected until the next decision acts
+    pending: Any  # tuple of `Issued`, the newest first
+
+
+class TrackingParameters(NamedTuple):
+    """Parameters of the tracking template."""
+
+    model: ReducedModel
+    period: float  # s
+    observer: float  # 1/s, gain of the servo observer's rate
+    servo: ServoStep  # one period
+    angle_limit: float  # rad
+    speed: SpeedParameters
+    profile: Grid  # E and E' over arc length
+    curve: CurveTable
+    steer: Any  # parameters of the steering law
+
+
+class TrackingMemory(NamedTuple):
+    """Memory of the tracking template."""
+
+    progress: float  # m
+    steering: Steering  # expected at the next instant
+    speed: SpeedMemory
+    pending: Any  # tuple of `Issued`, the newest first
+    steer: Any  # memory of the steering law
+
+
+@kernel
+def foot_of(
+    x: float, y: float, heading: float, guess: float, curve: CurveTable, tables: NDArray[np.float64]
+) -> Foot:
+    """The pose in the path frame, by two Newton steps from a guess of the arc length."""
+    s = guess
+    for _ in range(2):
+        near = point_at(s, curve, tables)
+        sine, cosine = sincos(near.heading)
+        along = (x - near.x) * cosine + (y - near.y) * sine
+        off = (y - near.y) * cosine - (x - near.x) * sine
+        slack = 1.0 - near.curvature * off
+        s = s + along / (slack if slack > NEAREST else NEAREST)
+    point = point_at(s, curve, tables)
+    sine, cosine = sincos(point.heading)
+    aside = (y - point.y) * cosine - (x - point.x) * sine
+    return Foot(
+        s, aside, wrap_angle(heading - point.heading), point.curvature, point.curvature_rate
+    )
+
+
+@dataclass(frozen=True)
+class Road:
+    """What a tracker is made for: the robot, the curve and its speeds, and its own timing."""
+
+    robot: Tricycle
+    curve: CurveTable
+    profile: Grid
+    start_speed: float  # m/s, the profile's first
+    period: float  # s
+    delay: int  # periods between a decision and its effect
+
+
+@dataclass(frozen=True)
+class SteerPart:
+    """A steering law ready to run."""
+
+    steer: Any  # kernel, see the module's docstring
+    parameters: Any
+    memory: Any
+
+
+class PathTracker(Controller):
+    """A sampled law that follows a curve at the speeds of a plan, with feedback of the pose."""
+
+    speed: SpeedLoop = SpeedLoop()
+
+    def part(
+        self, model: ReducedModel, target: TargetPart, start: Start, tables: Tables
+    ) -> ControlPart:
+        """Trackers are made by `tracking_part`: they follow no target of speeds over time."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def steering_part(self, road: Road) -> SteerPart:
+        """The steering law for a road."""
+
+    def tracking_part(self, road: Road, start: Start, progress: float) -> ControlPart:
+        """Kernel, parameters and initial memory; ``progress`` (m) is where on the curve it starts."""
+        law = self.steering_part(road)
+        act, period = road.robot.actuators, road.period
+        angle = float(np.arctan(road.robot.wheelbase * start.curvature))
+        speed = max(start.speed, 0.0)
+        parameters = TrackingParameters(
+            model=road.robot.reduced_model(),
+            period=period,
+            observer=0.3 / period,
+            servo=act.servo(period),
+            angle_limit=act.steering_angle_limit,
+            speed=self.speed.parameters(road.robot, period, road.delay),
+            profile=road.profile,
+            curve=road.curve,
+            steer=law.parameters,
+        )
+        memory = TrackingMemory(
+            progress=progress,
+            steering=Steering(angle, 0.0),
+            speed=SpeedMemory(speed, speed, 0.0, 0.0),
+            pending=(Issued(angle, speed),) * max(1, road.delay),
+            steer=law.memory,
+        )
+        switch = self.speed.switch()
+        template = "osculate.control.templates.tracking"
+        parts = {"steer": law.steer, "switch": switch, "DELAYED": road.delay > 0}
+        track = compose(template, parts).track
+        return ControlPart(track, parameters, memory, 0.0)

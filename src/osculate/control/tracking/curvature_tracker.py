@@ -1,0 +1,147 @@
+"""Curvature tracking with the pose loop closed, by exact linearisation in arc length.
+
+In the path frame (lateral error y, heading error e, q = 1 − κ y, ' = d/ds):
+
+    y' = q tan e
+    f(y) = (y/L) / √(1 + (y / (L tan α))²)                approach no steeper than α
+    σ = y' + f(y),   demand σ' = −σ/L
+    u = −f'(y) y' − σ/L                                    the y'' that does it
+    e' = (cos² e / q) [u + κ' y tan e + κ q tan² e]
+    φ_d = atan(a (cos e / q) (κ + e'))
+
+This is geometric: the paths that the robot takes back to the curve do not depend on its speed, and nothing
+is divided by κ. The servo is inverted over two horizons h: φ_d is evaluated along the ideal motion from
+the pose at which the decision will act (`look_ahead`), and the command is the one that brings the servo
+to the angle and rate wanted after 2h.
+"""
+
+from math import sqrt
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from osculate.control.tracking.contract import PathTracker, Road, SteerPart
+from osculate.control.tracking.pipe import PipeParameters
+from osculate.kernel import Nothing, compose, kernel
+from osculate.kernel.maths import clip, sincos
+from osculate.spec import quantity
+
+STEEPEST = 1.2  # rad, heading errors beyond are treated as this one
+LEAST = 0.2  # q is kept above this
+
+
+class Frame(NamedTuple):
+    """A pose in the path frame, on its way along the ideal motion."""
+
+    arc_length: float  # m
+    aside: float  # m, y
+    heading_error: float  # rad, e
+
+
+class Wish(NamedTuple):
+    """What the law wants at one place."""
+
+    steering_angle: float  # rad, φ_d
+    aside_rate: float  # dy/ds
+    turn: float  # 1/m, de/ds
+    pace: float  # ds per distance driven, cos e / q
+
+
+class ExactParameters(NamedTuple):
+    """Parameters of `steer_exactly`."""
+
+    pipe: PipeParameters
+    wheelbase: float  # m
+    horizon: float  # s, h
+    angle_gain: float  # of φ_d after 2h
+    rate_gain: float  # s, of dφ_d/dt after 2h
+    angle_feedback: float  # of φ now
+    rate_feedback: float  # s, of dφ/dt now
+    shortest: float  # m, smallest L
+    time: float  # s, L per speed
+    slope: float  # tan α
+    lateral: float  # m/s², largest lateral acceleration that the law may cause
+    steering_rate: float  # rad/s, largest that it may ask for
+    heading_gain: float  # of the linear law: 1/m
+    aside_gain: float  # of the linear law: 1/m²
+
+
+@kernel
+def demand_exactly(
+    y: float, sine: float, cosine: float, q: float, k: float, dk: float, length: float,
+    p: ExactParameters,
+) -> float:  # fmt: skip
+    """Turn of the heading error, e' (1/m), by exact linearisation."""
+    tangent = sine / cosine
+    rate = q * tangent
+    steep = y / (length * p.slope)
+    root = sqrt(1.0 + steep * steep)
+    approach = y / (length * root)
+    approach_rate = 1.0 / (length * root * root * root)
+    u = -approach_rate * rate - (rate + approach) / length
+    return cosine * cosine / q * (u + dk * y * tangent + k * q * tangent * tangent)
+
+
+@kernel
+def demand_linearly(
+    y: float, sine: float, cosine: float, q: float, k: float, dk: float, length: float,
+    p: ExactParameters,
+) -> float:  # fmt: skip
+    """Turn of the heading error, e' (1/m), by linear state feedback of (y, e)."""
+    return -p.aside_gain * y - p.heading_gain * sine
+
+
+@kernel
+def clamp_error(e: float) -> Any:
+    """Sine and cosine of the heading error, kept away from the path's normal."""
+    return sincos(clip(e, -STEEPEST, STEEPEST))
+
+
+class CurvatureTracker(PathTracker):
+    """The tracker of this package: exact linearisation in arc length through the servo's inverse.
+
+    Its one user-facing number is ``tightness``: 1 recovers from an error over a distance that suits
+    actuators and delay, larger values recover faster and react more to noise.
+    """
+
+    kind: Literal["curvature-tracker"] = "curvature-tracker"
+    tightness: float = quantity("1", "how tightly the curve is held", default=1.0, gt=0.1, le=4)
+    approach_angle: float = quantity(
+        "rad", "steepest angle at which the path is approached", default=0.7853981633974483,
+        gt=0.1, lt=1.4,
+    )  # fmt: skip
+    lateral_acceleration: float = quantity(
+        "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0
+    )
+    horizon: float = quantity("s", "h, half of the servo's inversion", default=0.02, gt=0)
+
+    def steering_part(self, road: Road) -> SteerPart:
+        """See `PathTracker.steering_part`."""
+        return exact_part(self, road, demand_exactly, (0.0, 0.0))
+
+
+def exact_part(law: Any, road: Road, demand: Any, linear: tuple[float, float]) -> SteerPart:
+    """The steering law with one of the two demands; ``linear`` are gains of y and e."""
+    robot, act = road.robot, road.robot.actuators
+    horizon = max(law.horizon, road.period)
+    gains = act.deadbeat(horizon)
+    lag = 2.0 * act.steering_damping / act.steering_frequency + (road.delay + 0.5) * road.period
+    tipping = 0.9 * robot.tipping_acceleration
+    parameters = ExactParameters(
+        PipeParameters(
+            act.servo(0.5 * road.period), robot.wheelbase, road.period, float(road.delay)
+        ),
+        robot.wheelbase,
+        horizon,
+        *gains,
+        shortest=0.5 * robot.wheelbase / law.tightness,
+        time=2.0 * lag / law.tightness,
+        slope=float(np.tan(law.approach_angle)),
+        lateral=min(law.lateral_acceleration, tipping),
+        steering_rate=0.85 * act.steering_rate_limit,
+        aside_gain=linear[0],
+        heading_gain=linear[1],
+    )
+    template = "osculate.control.templates.exact_steering"
+    steer = compose(template, {"demand": demand}).steer_exactly
+    return SteerPart(steer, parameters, Nothing())

@@ -1,0 +1,294 @@
+"""The fastest speed over arc length under all limits of robot and task, and which limit binds where.
+
+With E(s) = v² / 2 the acceleration along the path is E' = dE/ds, and the limits are:
+
+    speed, steering rate, lateral acceleration, tipping:   E ≤ E_max(s)
+    acceleration:                                          −a_brake ≤ E' ≤ a_drive
+    motor torque:   |(M + I κ²) E' + 2 I κ κ' E + F_roll| ≤ F_max        (linear in E and E')
+    motor power:    the same force times v ≤ P_max
+    jerk:           |v E''| ≤ j_max
+
+The fastest profile minimises ∫ ds / v. Power and jerk are taken at the last iterate, the objective is
+linearised there, and the linear programmes that follow are solved by HiGHS: a few suffice.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.curve.contract import Curve, CurvePoint
+from osculate.errors import InvalidInput, NoSolution
+from osculate.kernel import Grid, Tables
+from osculate.spec import Spec, quantity
+from osculate.vehicle.tricycle import Tricycle
+
+Array = NDArray[np.float64]
+
+ITERATIONS = 5
+NODES = 1200  # of the programme; more on long curves is seldom worth its time
+FINEST = 0.01  # m, no step is shorter
+
+
+class Limits(Spec):
+    """What the task allows, on top of what the robot can do."""
+
+    speed: float = quantity("m/s", "largest speed", default=1.0, gt=0)
+    lateral_acceleration: float = quantity("m/s²", "largest v² κ", default=2.0, gt=0)
+    acceleration: float = quantity("m/s²", "largest speed-up", default=0.8, gt=0)
+    deceleration: float = quantity("m/s²", "largest slow-down", default=0.8, gt=0)
+    jerk: float = quantity("m/s³", "largest rate of the acceleration", default=10.0, gt=0)
+    steering: float = quantity(
+        "1", "part of the steering rate limit that the path may use", default=0.6, gt=0, le=1
+    )
+    torque: float = quantity(
+        "1", "part of the motors' torque that the path may use", default=0.8, gt=0, le=1
+    )
+    tipping: float = quantity(
+        "1", "part of the tipping acceleration that may be used", default=0.7, gt=0, le=1
+    )
+    creep: float = quantity("m/s", "slowest speed on the way and at the ends", default=0.05, gt=0)
+    start_speed: float | None = quantity(
+        "m/s", "speed at the start; by default creeping, on closed curves free", default=None, ge=0
+    )
+    end_speed: float | None = quantity(
+        "m/s", "speed at the end; by default creeping, on closed curves free", default=None, ge=0
+    )
+
+
+@dataclass(frozen=True)
+class SpeedPlan:
+    """A speed over arc length."""
+
+    arc_length: Array  # m, shape (n,), uniform
+    energy: Array  # m²/s², v²/2, shape (n,)
+    binding: list[str]  # which limit holds the speed down there, shape (n,)
+
+    @property
+    def speed(self) -> Array:
+        """Speed (m/s), shape (n,)."""
+        return np.sqrt(2.0 * self.energy)
+
+    @property
+    def acceleration(self) -> Array:
+        """Acceleration along the path (m/s²), shape (n,)."""
+        slopes: Array = np.gradient(self.energy, self.arc_length)
+        return slopes
+
+    @property
+    def duration(self) -> float:
+        """Time for the whole curve (s)."""
+        middle = np.sqrt(self.energy[1:]) + np.sqrt(self.energy[:-1])
+        return float((2.0 * np.diff(self.arc_length) / (np.sqrt(2.0) * middle)).sum())
+
+    def shares(self) -> dict[str, float]:
+        """Which part of the length each limit binds on, the largest first."""
+        names, counts = np.unique(np.array(self.binding), return_counts=True)
+        order = np.argsort(-counts)
+        return {str(names[n]): float(counts[n] / len(self.binding)) for n in order}
+
+    def table(self, tables: Tables) -> Grid:
+        """Append the columns (E, E') for kernels."""
+        rows = np.stack([self.energy, self.acceleration], axis=1)
+        return tables.add(rows, 0.0, float(self.arc_length[1] - self.arc_length[0]))
+
+
+class _Problem(NamedTuple):
+    s: Array
+    point: CurvePoint
+    closed: bool
+    caps: dict[str, Array]  # limit to the largest E
+    low: float  # smallest E
+
+
+def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> SpeedPlan:
+    """The fastest speed over arc length that keeps all limits.
+
+    Args:
+        curve: Where to drive.
+        robot: Its steering, motors, masses and tipping.
+        limits: What the task allows.
+
+    Raises:
+        NoSolution: The robot cannot follow the curve at any speed (says the limit and the place).
+    """
+    limits = limits or Limits()
+    problem = _problem(curve, robot, limits)
+    energy = _first_guess(problem, limits)
+    for _ in range(ITERATIONS):
+        before = energy
+        energy = _solve(problem, robot, limits, energy)
+        if np.abs(energy - before).max() <= 1e-4 * energy.max():
+            break
+    return SpeedPlan(problem.s, energy, _binding(problem, robot, limits, energy))
+
+
+def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
+    cells = int(np.clip(curve.length / FINEST, 20, max(NODES, curve.length / 0.15)))
+    s = np.linspace(0.0, curve.length, cells + 1)
+    point = curve.at(s)
+    act, a = robot.actuators, robot.wheelbase
+    bend = np.abs(point.curvature)
+    tightest = np.tan(act.steering_angle_limit) / a
+    if bend.max() > tightest:
+        worst = int(bend.argmax())
+        raise NoSolution(
+            f"the robot cannot follow the curve: at s = {s[worst]:.4g} m it bends with "
+            f"{point.curvature[worst]:.4g} 1/m, which needs a steering angle of "
+            f"{np.degrees(np.arctan(a * bend[worst])):.4g}°; the limit is "
+            f"{np.degrees(act.steering_angle_limit):.4g}°"
+        )
+    turning = a * np.abs(point.curvature_rate) / (1.0 + (a * bend) ** 2)
+    tiny = 1e-12
+    caps = {
+        "speed": np.full(len(s), limits.speed**2 / 2.0),
+        "lateral acceleration": limits.lateral_acceleration / 2.0 / np.maximum(bend, tiny),
+        "tipping": limits.tipping * robot.tipping_acceleration / 2.0 / np.maximum(bend, tiny),
+        "steering rate": (
+            (limits.steering * act.steering_rate_limit / np.maximum(turning, tiny)) ** 2 / 2.0
+        ),
+    }
+    return _Problem(s, point, curve.closed, caps, limits.creep**2 / 2.0)
+
+
+def _ends(problem: _Problem, limits: Limits) -> tuple[float | None, float | None]:
+    """Prescribed E at both ends; None where it is free."""
+
+    def energy(given: float | None) -> float | None:
+        if given is None:
+            return None if problem.closed else problem.low
+        return max(given, limits.creep) ** 2 / 2.0
+
+    return energy(limits.start_speed), energy(limits.end_speed)
+
+
+def _cap(problem: _Problem, limits: Limits) -> Array:
+    cap: Array = np.maximum(np.min(list(problem.caps.values()), axis=0), problem.low)
+    for place, energy in zip((0, -1), _ends(problem, limits), strict=True):
+        if energy is not None:
+            cap[place] = min(cap[place], energy)
+    return cap
+
+
+def _first_guess(problem: _Problem, limits: Limits) -> Array:
+    """Forward and backward passes under the caps and the accelerations alone."""
+    energy = _cap(problem, limits)
+    step = problem.s[1]
+    for _ in range(2 if problem.closed else 1):  # the second pass closes the lap
+        if problem.closed:
+            energy[0] = energy[-1] = min(energy[0], energy[-1])
+        for n in range(1, len(energy)):
+            energy[n] = min(energy[n], energy[n - 1] + limits.acceleration * step)
+        for n in range(len(energy) - 2, -1, -1):
+            energy[n] = min(energy[n], energy[n + 1] + limits.deceleration * step)
+    return energy
+
+
+def _drive_rows(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Drive force g E' + f E + rolling on every cell, and its bounds: (g, f, low, high), N."""
+    act, r = robot.actuators, robot.wheel_radius
+    k = 0.5 * (problem.point.curvature[1:] + problem.point.curvature[:-1])
+    dk = np.diff(problem.point.curvature) / problem.s[1]
+    mass = robot.total_mass + 2.0 * robot.wheel_inertia / r**2 + robot.turn_inertia * k**2
+    centrifugal = 2.0 * robot.turn_inertia * k * dk
+    rolling = act.rolling_resistance * robot.weight
+    most = np.full(len(k), limits.torque * 2.0 * act.torque_limit / r)
+    high = most
+    if act.power_limit is not None:
+        speed = np.sqrt(energy[1:] + energy[:-1])
+        high = np.minimum(most, limits.torque * act.power_limit / np.maximum(speed, limits.creep))
+    return mass, centrifugal, -most - rolling, high - rolling
+
+
+def _solve(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> Array:
+    """One linear programme around the last iterate."""
+    from scipy.optimize import linprog
+    from scipy.sparse import diags_array, vstack
+
+    n, step = len(energy), problem.s[1]
+    slope: Any = diags_array([-1.0 / step, 1.0 / step], offsets=[0, 1], shape=(n - 1, n))
+    mean: Any = diags_array([0.5, 0.5], offsets=[0, 1], shape=(n - 1, n))
+    mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
+    force: Any = _diagonal(mass) @ slope + _diagonal(centrifugal) @ mean
+    bend: Any = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(n - 2, n)) / step**2
+    jerk = limits.jerk / np.sqrt(2.0 * np.maximum(energy[1:-1], problem.low))
+    scale = _diagonal(1.0 / mass)
+    rows: list[Any] = [slope, -slope, scale @ force, -(scale @ force), bend, -bend]
+    bounds = [
+        np.full(n - 1, limits.acceleration),
+        np.full(n - 1, limits.deceleration),
+        high / mass,
+        -low / mass,
+        jerk,
+        jerk,
+    ]
+    if problem.closed and limits.start_speed is None and limits.end_speed is None:
+        around: Any = diags_array([1.0], offsets=[0], shape=(1, n)) - diags_array(
+            [1.0], offsets=[n - 1], shape=(1, n)
+        )
+        rows += [around, -around]
+        bounds += [np.zeros(1), np.zeros(1)]
+    gain = (2.0 * np.maximum(energy, problem.low)) ** -1.5
+    cap = _cap(problem, limits)
+    programme: Any = linprog  # its stubs know no sparse matrices
+    solved = programme(
+        -gain / gain.max(),
+        A_ub=vstack(rows, format="csr"),
+        b_ub=np.concatenate(bounds),
+        bounds=np.stack([np.minimum(problem.low, cap), cap], axis=1),
+        method="highs",
+    )
+    if solved.x is None:
+        raise NoSolution(
+            "no speed profile keeps all limits: the motors cannot hold the slowest speed "
+            f"({limits.creep:g} m/s); raise the torque limit or lower the rolling resistance"
+        )
+    return np.asarray(solved.x, dtype=float)
+
+
+def _diagonal(values: Array) -> Any:
+    from scipy.sparse import diags_array
+
+    return diags_array(values)
+
+
+def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> list[str]:
+    """The limit with the least room at every node."""
+    step = problem.s[1]
+    slope = np.diff(energy) / step
+    mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
+    force = mass * slope + centrifugal * 0.5 * (energy[1:] + energy[:-1])
+    cells = {
+        "acceleration": slope / limits.acceleration,
+        "deceleration": -slope / limits.deceleration,
+        "motor": np.maximum(force / high, force / low),
+    }
+    use = {name: energy / cap for name, cap in problem.caps.items()}
+    use |= {
+        name: np.maximum(np.append(values, 0.0), np.insert(values, 0, 0.0))
+        for name, values in cells.items()
+    }
+    bend = np.abs(np.diff(energy, 2)) / step**2 * np.sqrt(2.0 * energy[1:-1])
+    use["jerk"] = np.pad(bend / limits.jerk, 1)
+    names = list(use)
+    table = np.array([use[name] for name in names])
+    chosen: list[str] = []
+    for column, value in zip(table.T, energy, strict=True):
+        most = int(column.argmax())
+        chosen.append("creep" if value <= 1.001 * problem.low else names[most])
+    return chosen
+
+
+def require_valid(limits: Limits) -> None:
+    """Refuse limits that contradict each other.
+
+    Raises:
+        InvalidInput: The slowest speed is above the largest.
+    """
+    if limits.creep > limits.speed:
+        raise InvalidInput(
+            "limits.creep", limits.creep, f"must be at most speed = {limits.speed:g} m/s"
+        )
