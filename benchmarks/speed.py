@@ -64,7 +64,7 @@ def engine_speed(loop: Loop):
         many = np.repeat(parameters[:, None], BATCH, 1)
 
         def one(program, recorded):
-            state, tally = initial.copy(), np.zeros(14)
+            state, tally = initial.copy(), np.zeros(19)
             program.run.restype = ctypes.c_int
             record = np.empty((steps, 25)) if recorded else np.empty((0, 25))
             pointer = record.ctypes.data_as(ctypes.c_void_p) if recorded else None
@@ -75,7 +75,7 @@ def engine_speed(loop: Loop):
             return state, record
 
         def block(program):
-            state, tally = np.repeat(initial[:, None], BATCH, 1), np.zeros((14, BATCH))
+            state, tally = np.repeat(initial[:, None], BATCH, 1), np.zeros((19, BATCH))
             program.run_many(
                 *map(as_pointer, (state, tally, many, tables)),
                 ctypes.c_int(steps), ctypes.c_double(h), ctypes.c_int(BATCH),

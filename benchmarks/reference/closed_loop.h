@@ -10,7 +10,7 @@
 
 typedef struct { T x, y, heading, speed, yaw_rate, drift, arc, theta, memory; } State;
 typedef struct { T samples, foot, cross, angle, steer, cross2, crossmax, angle2, anglemax, steermax,
-                 ratemax, leftmax, rightmax, speedmax; } Tally;
+                 ratemax, leftmax, rightmax, speedmax, steered, rippled, torque, counted, energy; } Tally;
 typedef struct { T v, v_drift, v_slave, w, w_drift, w_slave, k; } Reference;
 typedef struct { T steer, left, right, e_heading, e_rate, e_speed, seen; Reference ref; State rate; } Response;
 
@@ -123,10 +123,16 @@ static inline __attribute__((always_inline)) Tally count(double elapsed, const S
     T angle = raw - ROUND(raw * 0.15915494309189535) * 6.283185307179586;
     T change = ABS(steer - y.steer) * (elapsed > 0.0 ? 1.0 / elapsed : 0.0);
     (void)ignored; (void)dk;
-    return (Tally){y.samples + 1.0, guess + shift, cross, angle, steer, y.cross2 + cross * cross,
-                   LARGER(ABS(cross), y.crossmax), y.angle2 + angle * angle, LARGER(ABS(angle), y.anglemax),
+    T moved_by = ABS(steer - y.steer), total = r->left + r->right;
+    MASK counts = guess >= PAR(settled);
+    T off = SELECT(counts, cross, SET(0.0)), turned = SELECT(counts, angle, SET(0.0));
+    return (Tally){y.samples + 1.0, guess + shift, cross, angle, steer, y.cross2 + off * off,
+                   LARGER(ABS(off), y.crossmax), y.angle2 + turned * turned, LARGER(ABS(turned), y.anglemax),
                    LARGER(ABS(steer), y.steermax), LARGER(change, y.ratemax), LARGER(ABS(r->left), y.leftmax),
-                   LARGER(ABS(r->right), y.rightmax), LARGER(ABS(s->speed), y.speedmax)};
+                   LARGER(ABS(r->right), y.rightmax), LARGER(ABS(s->speed), y.speedmax),
+                   y.steered + (elapsed > 0.0 ? moved_by : SET(0.0)), y.rippled + ABS(total - y.torque), total,
+                   y.counted + SELECT(counts, SET(1.0), SET(0.0)),
+                   y.energy + elapsed * ABS(total * s->speed) * PAR(plant_model_traction)};
 }
 
 static inline __attribute__((always_inline)) T steering(const State *s, PARAMETERS p)

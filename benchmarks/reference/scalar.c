@@ -19,7 +19,7 @@ typedef const double *PARAMETERS;
 #define LOAD_PARAMETER(p, i) ((p)[i])
 #include "closed_loop.h"
 
-/* state: 9 doubles, tally: 14 doubles, record: 25 doubles a step or null. Returns the steps made. */
+/* state: 9 doubles, tally: 19 doubles, record: 25 doubles a step or null. Returns the steps made. */
 int run(double *state, double *tally, const double *parameters, const double *table, int steps, double h, double *record)
 {
     State s;
@@ -42,12 +42,12 @@ int run(double *state, double *tally, const double *parameters, const double *ta
 void run_many(double *state, double *tally, const double *parameters, const double *table, int steps, double h, int lanes)
 {
     for (int lane = 0; lane < lanes; lane++) {
-        double s[9], y[14], p[PARAMETERS_COUNT];
+        double s[9], y[19], p[PARAMETERS_COUNT];
         for (int i = 0; i < 9; i++) s[i] = state[i * lanes + lane];
-        for (int i = 0; i < 14; i++) y[i] = tally[i * lanes + lane];
+        for (int i = 0; i < 19; i++) y[i] = tally[i * lanes + lane];
         for (int i = 0; i < PARAMETERS_COUNT; i++) p[i] = parameters[i * lanes + lane];
         run(s, y, p, table, steps, h, 0);
         for (int i = 0; i < 9; i++) state[i * lanes + lane] = s[i];
-        for (int i = 0; i < 14; i++) tally[i * lanes + lane] = y[i];
+        for (int i = 0; i < 19; i++) tally[i * lanes + lane] = y[i];
     }
 }

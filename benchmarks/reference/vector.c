@@ -89,9 +89,9 @@ static inline __attribute__((always_inline)) T arc_tangent(T x)
 void run_many(double *state, double *tally, const double *parameters, const double *table, int steps, double h, int lanes)
 {
     for (int lane = 0; lane < lanes; lane += WIDTH) {
-        T columns[23];
+        T columns[28];
         for (int i = 0; i < 9; i++) columns[i] = load(state + (long)i * lanes + lane);
-        for (int i = 0; i < 14; i++) columns[9 + i] = load(tally + (long)i * lanes + lane);
+        for (int i = 0; i < 19; i++) columns[9 + i] = load(tally + (long)i * lanes + lane);
         State s;
         Tally y;
         memcpy(&s, columns, sizeof s);
@@ -108,12 +108,12 @@ void run_many(double *state, double *tally, const double *parameters, const doub
             T *now = (T *)&s, *old = (T *)&before;
             for (int i = 0; i < 9; i++) now[i] = blend(ended, old[i], now[i]);
             now = (T *)&y, old = (T *)&counted;
-            for (int i = 0; i < 14; i++) now[i] = blend(ended, old[i], now[i]);
+            for (int i = 0; i < 19; i++) now[i] = blend(ended, old[i], now[i]);
             ended = stop;
         }
         memcpy(columns, &s, sizeof s);
         memcpy(columns + 9, &y, sizeof y);
         for (int i = 0; i < 9; i++) memcpy(state + (long)i * lanes + lane, &columns[i], sizeof(T));
-        for (int i = 0; i < 14; i++) memcpy(tally + (long)i * lanes + lane, &columns[9 + i], sizeof(T));
+        for (int i = 0; i < 19; i++) memcpy(tally + (long)i * lanes + lane, &columns[9 + i], sizeof(T));
     }
 }

@@ -6,13 +6,16 @@ slope at both (Hermite), so a table with step h errs by h⁴/384 max|f⁗|. Befo
 first value; after its end the last cell's cubic is continued, at most `MARGIN` cells far.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Callable, Hashable
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from osculate.kernel.decorator import kernel
 from osculate.kernel.lanes import lookup
+
+T = TypeVar("T")
 
 MARGIN = 2.0  # cells that a table may be read beyond its end
 
@@ -33,6 +36,8 @@ class Tables:
     def __init__(self) -> None:
         self._parts: list[NDArray[np.float64]] = []
         self._size = 0
+        self._made: dict[Hashable, Any] = {}
+        self._array: NDArray[np.float64] | None = None
 
     def add(self, rows: ArrayLike, start: float, step: float) -> Grid:
         """Append a table of shape (rows, columns), rows ``step`` apart from argument ``start``."""
@@ -40,12 +45,22 @@ class Tables:
         grid = Grid(float(self._size), start, step, 1.0 / step, float(part.shape[0] - 2))
         self._parts.append(part.ravel())
         self._size += part.size
+        self._array = None
         return grid
+
+    def once(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What ``make`` returns, made once for every key: runs that share tables share these."""
+        if key not in self._made:
+            self._made[key] = make()
+        value: T = self._made[key]
+        return value
 
     @property
     def array(self) -> NDArray[np.float64]:
         """All tables, shape (n,)."""
-        return np.concatenate([*self._parts, np.zeros(1)])
+        if self._array is None:
+            self._array = np.concatenate([*self._parts, np.zeros(1)])
+        return self._array
 
 
 @kernel

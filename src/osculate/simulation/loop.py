@@ -46,6 +46,9 @@ class InitialState(Spec):
     speed: float = quantity("m/s", "initial speed", default=0.0)
     yaw_rate: float = quantity("rad/s", "initial yaw rate", default=0.0)
     arc_length: float = quantity("m", "where on the curve, from its start", default=0.0, ge=0)
+    settled: float = quantity(
+        "m", "errors count from this arc length on: not while the start is made good", default=0.0
+    )
 
     def on(self, curve: Curve) -> Start:
         """The initial state in the map frame.
@@ -146,7 +149,7 @@ def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
 def _close_target(setup: Setup, tables: Tables) -> Loop:
     """A law that follows a target of speeds over time."""
     curve, robot, clock = setup.curve, setup.robot, setup.clock
-    table = tabulate(curve, tables)
+    table = tables.once((curve, CELLS), lambda: tabulate(curve, tables))
     start = setup.initial.on(curve)
     target = setup.target.part(curve, table, robot, tables)
     control = setup.controller.part(setup.plant.model(robot), target, start, tables)
@@ -174,14 +177,14 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
         )
     require_valid(setup.limits)
-    plan = plan_speed(curve, robot, setup.limits)
     cells = max(CELLS, math.ceil(curve.length / FINEST_TABLE))
-    table = tabulate(curve, tables, cells, BEYOND + 2.0 * robot.wheelbase)
+    beyond = BEYOND + 2.0 * robot.wheelbase
+    table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
+    task = (curve, robot, setup.limits)
+    plan = tables.once(task, lambda: plan_speed(*task))
+    profile = tables.once((*task, "profile"), lambda: plan.table(tables))
     start = setup.initial.on(curve)
-    road = Road(
-        robot, table, plan.table(tables), float(plan.speed[0]), clock.period,
-        round(clock.delay / clock.period),
-    )  # fmt: skip
+    road = Road(robot, table, profile, clock.period, round(clock.delay / clock.period))
     control = law.tracking_part(road, start, setup.initial.arc_length)
     parts = {
         "pace": Nothing(),
@@ -213,6 +216,7 @@ def _assemble(
         curve=table,
         delay=float(clock.delay_steps),
         speed_limit=SPEED_LIMIT,
+        settled=setup.initial.settled,
         **parts,
     )
     rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)

@@ -31,6 +31,9 @@ class Metrics:
     steering_rate_max: Any = _metric("rad/s", "steering rate, peak")
     torque_left_max: Any = _metric("N m", "torque left, peak")
     torque_right_max: Any = _metric("N m", "torque right, peak")
+    steering_travel: Any = _metric("rad", "steering effort (sum of movements)")
+    torque_travel: Any = _metric("N m", "torque ripple (sum of changes)")
+    energy: Any = _metric("J", "work of the drives")
     end_position_error: Any = _metric("m", "distance to the end of the path")
     ended: Any = _metric("", "ended by")
 
@@ -54,7 +57,7 @@ def summarise(final: Progress, last: Row, length: Any, end: tuple[Any, Any]) -> 
         end: Where the curve ends (m), likewise.
     """
     tally = final.tally
-    samples = np.maximum(tally.samples, 1.0)
+    samples = np.maximum(tally.counted, 1.0)
     return Metrics(
         path_length=np.broadcast_to(length, np.shape(samples)),
         travelled=last.arc_length,
@@ -69,6 +72,9 @@ def summarise(final: Progress, last: Row, length: Any, end: tuple[Any, Any]) -> 
         steering_rate_max=tally.steering_rate_max,
         torque_left_max=tally.torque_left_max,
         torque_right_max=tally.torque_right_max,
+        steering_travel=tally.steering_travel,
+        torque_travel=tally.torque_travel,
+        energy=tally.energy,
         end_position_error=np.hypot(last.motion.x - end[0], last.motion.y - end[1]),
         ended=np.array([ENDINGS[code] for code in np.atleast_1d(final.status.code).tolist()]),
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from osculate.curve.table import CurveTable, point_at
 from osculate.kernel import kernel
 from osculate.kernel.maths import sincos, wrap_angle
+from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Command, Motion
 
 
@@ -33,11 +34,16 @@ class Tally(NamedTuple):
     torque_left_max: float  # N m
     torque_right_max: float  # N m
     speed_max: float  # m/s
+    steering_travel: float  # rad, sum of all changes of the steering angle
+    torque_travel: float  # N m, sum of all changes of the total torque commanded
+    torque: float  # N m, now: total torque commanded
+    counted: float  # number of samples whose errors count
+    energy: float  # J, work of the commanded torques, both signs counted
 
 
 def empty_tally(foot: float) -> Tally:
     """The tally of a run that starts with its foot point at arc length ``foot`` (m)."""
-    return Tally(0.0, foot, *[0.0] * 12)
+    return Tally(0.0, foot, *[0.0] * 17)
 
 
 @kernel
@@ -52,6 +58,8 @@ def count(
     motion: Motion,
     command: Command,
     tally: Tally,
+    settled: float,
+    model: ReducedModel,
     curve: CurveTable,
     tables: NDArray[np.float64],
 ) -> Tally:
@@ -71,19 +79,30 @@ def count(
     per_second = 1.0 / elapsed if elapsed > 0.0 else 0.0
     moved = abs(motion.steering_angle - tally.steering_angle)
     rate = moved * per_second
+    total = command.torque_left + command.torque_right
+    counts = guess >= settled
+    off = cross_track if counts else 0.0
+    turned = heading_error if counts else 0.0
+    one = 1.0 if counts else 0.0
+    steered = moved if elapsed > 0.0 else 0.0
     return Tally(
         samples=tally.samples + 1.0,
         foot=guess + shift,
         cross_track=cross_track,
         heading_error=heading_error,
         steering_angle=motion.steering_angle,
-        cross_track_squares=tally.cross_track_squares + cross_track * cross_track,
-        cross_track_max=larger(abs(cross_track), tally.cross_track_max),
-        heading_error_squares=tally.heading_error_squares + heading_error * heading_error,
-        heading_error_max=larger(abs(heading_error), tally.heading_error_max),
+        cross_track_squares=tally.cross_track_squares + off * off,
+        cross_track_max=larger(abs(off), tally.cross_track_max),
+        heading_error_squares=tally.heading_error_squares + turned * turned,
+        heading_error_max=larger(abs(turned), tally.heading_error_max),
         steering_angle_max=larger(abs(motion.steering_angle), tally.steering_angle_max),
         steering_rate_max=larger(rate, tally.steering_rate_max),
         torque_left_max=larger(abs(command.torque_left), tally.torque_left_max),
         torque_right_max=larger(abs(command.torque_right), tally.torque_right_max),
         speed_max=larger(abs(motion.speed), tally.speed_max),
+        steering_travel=tally.steering_travel + steered,
+        torque_travel=tally.torque_travel + abs(total - tally.torque),
+        torque=total,
+        counted=tally.counted + one,
+        energy=tally.energy + elapsed * abs(total * motion.speed) * model.traction,
     )

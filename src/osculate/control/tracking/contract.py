@@ -109,7 +109,6 @@ class Road:
     robot: Tricycle
     curve: CurveTable
     profile: Grid
-    start_speed: float  # m/s, the profile's first
     period: float  # s
     delay: int  # periods between a decision and its effect
 

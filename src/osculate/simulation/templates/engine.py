@@ -40,7 +40,7 @@ def observe(
     """The record's row at time ``t`` and the tally with this sample."""
     _, reference, command, errors, _ = respond(t, run.state, action, p, tables)
     motion = measure(run.state.plant, p.plant)
-    tally = count(elapsed, motion, command, run.tally, p.curve, tables)
+    tally = count(elapsed, motion, command, run.tally, p.settled, p.plant.model, p.curve, tables)
     row = Row(
         t,
         motion,
@@ -179,14 +179,24 @@ def run_block(
                 run = load(like, block, lane)
                 p = load(like_parameters, parameters, lane)
                 store(decided(step * h, substeps * h, run, p, tables), block, lane)
+        elapsed = h if step > 0 else 0.0
+        recording = step % every == 0 and filled < record.shape[0]
+        if recording and LANES > 1:  # many runs are seldom recorded: look at them only then
+            for lane in range(LANES):
+                run = load(like, block, lane)
+                p = load(like_parameters, parameters, lane)
+                action = hold(age, substeps, run.held, p)
+                row, _ = observe(step * h, elapsed, run, action, p, tables)
+                store(row, rows, lane)
         for lane in range(LANES):
             run = load(like, block, lane)
             p = alone if LANES == 1 else load(like_parameters, parameters, lane)
             action = hold(age, substeps, run.held, p)
-            row, moved = advance(step * h, h, h if step > 0 else 0.0, run, action, p, tables)
+            row, moved = advance(step * h, h, elapsed, run, action, p, tables)
             store(moved, block, lane)
-            store(row, rows, lane)
-        if step % every == 0 and filled < record.shape[0]:
+            if LANES == 1:
+                store(row, rows, lane)
+        if recording:
             copy(rows, record[filled])
             filled += 1
         made += 1
