@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from osculate.curve.composite import Composite, Laps
+from osculate.curve.composite import Composite, Laps, Part
 from osculate.curve.contract import Curve, CurvePoint
 from osculate.curve.cycloid import Cycloid
 from osculate.curve.files import CurveFile, read_curve
@@ -25,7 +25,8 @@ AnyCurve = Annotated[
     | Nurbs
     | CurveFile
     | Composite
-    | Laps,
+    | Laps
+    | Part,
     Field(discriminator="kind"),
 ]
 
@@ -54,6 +55,7 @@ __all__ = [
     "Line",
     "Nurbs",
     "Parametric",
+    "Part",
     "Pose",
     "Segment",
     "Spline",

@@ -124,6 +124,38 @@ class Laps(Curve):
         return point._replace(heading=point.heading + lap * self.track.total_turn)
 
 
+class Part(Curve):
+    """A part of a curve."""
+
+    kind: Literal["part"] = "part"
+    curve: SerializeAsAny[Curve]
+    start: float = quantity("m", "arc length at which it begins", default=0.0, ge=0)
+    end: float = quantity("m", "arc length at which it ends", gt=0)
+
+    @field_validator("curve", mode="before")
+    @classmethod
+    def _parsed(cls, curve: Any) -> Any:
+        return as_curve(curve)
+
+    @model_validator(mode="after")
+    def _inside(self) -> Self:
+        if not self.start < self.end <= self.curve.length * (1.0 + 1e-12):
+            raise InvalidInput(
+                "end", self.end, f"must be above start and at most {self.curve.length:.6g} m"
+            )
+        return self
+
+    @property
+    def length(self) -> float:
+        """See `Curve.length`."""
+        return self.end - self.start
+
+    def at(self, arc_length: ArrayLike) -> CurvePoint:
+        """See `Curve.at`."""
+        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
+        return self.curve.at(self.start + s)
+
+
 def check_join(
     before: Curve, after: Curve, field: str, place: float, allowed: tuple[float, float, float]
 ) -> None:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from osculate.control import Controller, ControlPart, CurvatureLaw, Errors, Start
 from osculate.control.tracking import PathTracker, Road
-from osculate.curve import Curve, CurveTable, tabulate
+from osculate.curve import Curve, CurveTable, Pose, tabulate
+from osculate.curve.approach import plan_approach
 from osculate.curve.table import CELLS
 from osculate.errors import InvalidInput
 from osculate.kernel import Nothing, Tables, compose, leaves
@@ -32,6 +33,8 @@ from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, Targ
 from osculate.target.speed import require_valid
 from osculate.vehicle import Command, Motion, Tricycle
 
+RECOVERABLE_HEADING = math.radians(100.0)
+RECOVERABLE_DISTANCE = 2.5  # m
 FINEST_TABLE = 0.02  # m, longest cell of a tracked curve
 BEYOND = 2.0  # m, how far a tracked curve is known beyond its ends
 TEMPLATES = "osculate.simulation.templates"
@@ -46,6 +49,9 @@ class InitialState(Spec):
     speed: float = quantity("m/s", "initial speed", default=0.0)
     yaw_rate: float = quantity("rad/s", "initial yaw rate", default=0.0)
     arc_length: float = quantity("m", "where on the curve, from its start", default=0.0, ge=0)
+    approach: bool = quantity(
+        "1", "whether a tracker may plan a way onto the curve from a start far off it", default=True
+    )
     settled: float = quantity(
         "m", "errors count from this arc length on: not while the start is made good", default=0.0
     )
@@ -177,6 +183,8 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
         )
     require_valid(setup.limits)
+    setup = _with_approach(setup)
+    curve = setup.curve
     cells = max(CELLS, math.ceil(curve.length / FINEST_TABLE))
     beyond = BEYOND + 2.0 * robot.wheelbase
     table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
@@ -194,6 +202,35 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "deadline": math.inf,
     }
     return _assemble(setup, table, start, control, parts, {"track": control.control}, tables, plan)
+
+
+def _with_approach(setup: Setup) -> Setup:
+    """The setup with a way onto the curve before it, if the start is beyond what a tracker recovers.
+
+    Raises:
+        InvalidInput: It is, and no approach may be planned.
+        NoSolution: There is no such way.
+    """
+    initial, curve, robot = setup.initial, setup.curve, setup.robot
+    foot = curve.at(initial.arc_length)
+    turned = abs(initial.heading_error) > RECOVERABLE_HEADING
+    far = abs(initial.cross_track) > RECOVERABLE_DISTANCE
+    inside = 1.0 - float(foot.curvature) * initial.cross_track < 0.2
+    if not (turned or far or inside):
+        return setup
+    reason = "heading_error" if turned else "cross_track"
+    if not initial.approach:
+        raise InvalidInput(
+            f"initial.{reason}",
+            getattr(initial, reason),
+            "cannot be recovered by tracking alone; allow an approach or start nearer",
+        )
+    start = initial.on(curve)
+    tightest = float(np.tan(robot.actuators.steering_angle_limit)) / robot.wheelbase
+    pose = Pose(x=start.x, y=start.y, heading=start.heading)
+    way, length = plan_approach(curve, pose, tightest, initial.arc_length)
+    begin = InitialState(speed=initial.speed, settled=max(initial.settled, length))
+    return setup._replace(curve=way, initial=begin)
 
 
 def _assemble(

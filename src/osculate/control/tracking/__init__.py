@@ -1,5 +1,9 @@
 """Laws that know the pose: the curvature tracker, and what people use today to compare it with."""
 
+from typing import Annotated
+
+from pydantic import Field
+
 from osculate.control.tracking.baselines import (
     FeedforwardLqr,
     Kanayama,
@@ -11,7 +15,24 @@ from osculate.control.tracking.contract import PathTracker, Road
 from osculate.control.tracking.curvature_tracker import CurvatureTracker
 from osculate.control.tracking.speed_loop import SpeedLoop
 
+AnyTracker = Annotated[
+    CurvatureTracker | PurePursuit | Stanley | Kanayama | FeedforwardLqr | PreviewLqr,
+    Field(discriminator="kind"),
+]
+
+#: All trackers by name, with their defaults.
+TRACKERS: dict[str, PathTracker] = {
+    "curvature-tracker": CurvatureTracker(),
+    "lqr-preview": PreviewLqr(),
+    "lqr": FeedforwardLqr(),
+    "pure-pursuit": PurePursuit(),
+    "kanayama": Kanayama(),
+    "stanley": Stanley(),
+}
+
 __all__ = [
+    "TRACKERS",
+    "AnyTracker",
     "CurvatureTracker",
     "FeedforwardLqr",
     "Kanayama",

@@ -6,7 +6,7 @@ the look-ahead and servo inverse of `CurvatureTracker`.
 """
 
 from math import sqrt
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,10 @@ class PurePursuit(PathTracker):
     """Steer along the arc through the point of the path that is a look-ahead distance away."""
 
     kind: Literal["pure-pursuit"] = "pure-pursuit"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {
+        "lookahead": (0.05, 2.0),
+        "lookahead_time": (0.02, 1.5),
+    }
     lookahead: float = quantity("m", "shortest look-ahead distance", default=0.25, gt=0)
     lookahead_time: float = quantity("s", "look-ahead distance per speed", default=0.2, ge=0)
 
@@ -106,6 +110,11 @@ class Stanley(PathTracker):
     """Stanley's law, on the path that the front wheel takes when O is on the curve."""
 
     kind: Literal["stanley"] = "stanley"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {
+        "gain": (0.1, 20.0),
+        "softening": (0.01, 2.0),
+        "damping": (0.001, 0.5),
+    }
     gain: float = quantity("1/s", "gain of the front wheel's cross-track error", default=2.0, gt=0)
     softening: float = quantity("m/s", "speed below which the gain softens", default=0.3, ge=0)
     damping: float = quantity("s", "damping of the yaw rate", default=0.05, ge=0)
@@ -164,6 +173,10 @@ class Kanayama(PathTracker):
     """The Lyapunov law of Kanayama (1990) and Samson (1993) for a path."""
 
     kind: Literal["kanayama"] = "kanayama"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {
+        "aside_gain": (0.3, 60.0),
+        "heading_gain": (0.3, 20.0),
+    }
     aside_gain: float = quantity("1/m²", "gain of the cross-track error", default=6.0, gt=0)
     heading_gain: float = quantity("1/m", "gain of the heading error", default=4.0, gt=0)
 
@@ -192,6 +205,11 @@ class FeedforwardLqr(PathTracker):
     """
 
     kind: Literal["lqr"] = "lqr"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {
+        "aside_weight": (1.0, 1e4),
+        "heading_weight": (0.01, 100.0),
+        "lead": (0.005, 0.4),
+    }
     aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=30.0, gt=0)
     heading_weight: float = quantity("1/rad²", "weight of the heading error", default=1.0, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)
@@ -208,6 +226,10 @@ class PreviewLqr(PathTracker):
     """The same regulator behind the look-ahead and the servo inverse of `CurvatureTracker`."""
 
     kind: Literal["lqr-preview"] = "lqr-preview"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {
+        "aside_weight": (1.0, 1e4),
+        "heading_weight": (0.01, 100.0),
+    }
     aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=200.0, gt=0)
     heading_weight: float = quantity("1/rad²", "weight of the heading error", default=1.0, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)

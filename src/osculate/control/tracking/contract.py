@@ -11,7 +11,7 @@ by a projection that starts where the robot was: nothing searches, a curve that 
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,6 +126,9 @@ class PathTracker(Controller):
     """A sampled law that follows a curve at the speeds of a plan, with feedback of the pose."""
 
     speed: SpeedLoop = SpeedLoop()
+
+    #: Fields that a tuner may change, with the range in which it looks.
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {}
 
     def part(
         self, model: ReducedModel, target: TargetPart, start: Start, tables: Tables

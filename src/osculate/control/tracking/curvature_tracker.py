@@ -16,7 +16,7 @@ to the angle and rate wanted after 2h.
 """
 
 from math import sqrt
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -105,6 +105,7 @@ class CurvatureTracker(PathTracker):
     """
 
     kind: Literal["curvature-tracker"] = "curvature-tracker"
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {"tightness": (0.3, 3.0)}
     tightness: float = quantity("1", "how tightly the curve is held", default=1.0, gt=0.1, le=4)
     approach_angle: float = quantity(
         "rad", "steepest angle at which the path is approached", default=0.7853981633974483,

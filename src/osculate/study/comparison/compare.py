@@ -1,0 +1,223 @@
+"""Controllers × curves × speeds × starts × conditions, in lanes: one cell for every combination."""
+
+import itertools
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from osculate.control.tracking import TRACKERS, PathTracker
+from osculate.curve import Curve
+from osculate.errors import InvalidInput
+from osculate.simulation import InitialState, Sampled, simulate_batch
+from osculate.simulation.variables import ROW
+from osculate.study.comparison.suite import Condition, conditions, curves, starts
+from osculate.target import Limits, plan_speed
+from osculate.vehicle import Tricycle
+
+OFF_ROAD = 0.5  # m, a cell whose counted error exceeds this has failed
+PATIENCE = 2.0  # times the planned duration, after which a run counts as failed
+RECORD = 0.05  # s between two samples of the traces
+FIELDS = {  # of a cell, from the metrics of a run
+    "cross_track_rms": "cross_track_rms",
+    "cross_track_max": "cross_track_max",
+    "heading_error_rms": "heading_error_rms",
+    "duration": "duration",
+    "steering_travel": "steering_travel",
+    "torque_travel": "torque_travel",
+    "energy": "energy",
+    "speed_max": "speed_max",
+}
+UNITS = {
+    "speed": "m/s", "cross_track_rms": "m", "cross_track_max": "m", "heading_error_rms": "rad",
+    "duration": "s", "steering_travel": "rad", "torque_travel": "N m", "energy": "J",
+    "speed_max": "m/s",
+}  # fmt: skip
+
+
+class Trace(NamedTuple):
+    """What one run looked like."""
+
+    arc_length: NDArray[np.float64]  # m
+    cross_track: NDArray[np.float64]  # m
+    x: NDArray[np.float64]  # m
+    y: NDArray[np.float64]  # m
+
+
+class Standing(NamedTuple):
+    """How one controller did over all cells."""
+
+    controller: str
+    cross_track_rms: float  # m, mean over cells
+    cross_track_max: float  # m, worst cell
+    failures: int
+    ratio: float  # geometric mean of its RMS over that of the first, cell by cell
+    wins: int  # cells in which it is more exact than the first
+    cells: int  # in which both arrived
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The result: one dictionary per cell, traces for figures, and the curves."""
+
+    cells: list[dict[str, Any]]
+    traces: dict[tuple[str, ...], Trace]  # (controller, curve, speed, start, condition)
+    curves: Mapping[str, Curve]
+
+    def of(self, controller: str) -> list[dict[str, Any]]:
+        """The cells of one controller, in the order in which all controllers have theirs."""
+        return [cell for cell in self.cells if cell["controller"] == controller]
+
+    @property
+    def controllers(self) -> list[str]:
+        """Names of the controllers."""
+        return list(dict.fromkeys(cell["controller"] for cell in self.cells))
+
+    def ranking(self) -> list[Standing]:
+        """All controllers, the most exact first, each compared cell by cell with the first."""
+        order = sorted(self.controllers, key=self._merit)
+        first = self.of(order[0])
+        return [self._standing(name, first) for name in order]
+
+    def _merit(self, controller: str) -> tuple[int, float]:
+        cells = self.of(controller)
+        alive = [math.log(c["cross_track_rms"]) for c in cells if not c["failed"]]
+        return sum(c["failed"] for c in cells), float(np.mean(alive)) if alive else math.inf
+
+    def _standing(self, name: str, first: list[dict[str, Any]]) -> Standing:
+        cells = self.of(name)
+        alive = [c for c in cells if not c["failed"]]
+        pairs = [
+            math.log(c["cross_track_rms"] / f["cross_track_rms"])
+            for c, f in zip(cells, first, strict=True)
+            if not c["failed"] and not f["failed"]
+        ]
+        return Standing(
+            name,
+            float(np.mean([c["cross_track_rms"] for c in alive])) if alive else math.nan,
+            max((c["cross_track_max"] for c in alive), default=math.nan),
+            len(cells) - len(alive),
+            float(np.exp(np.mean(pairs))) if pairs else math.nan,
+            sum(pair < 0.0 for pair in pairs),
+            len(pairs),
+        )
+
+    def write(self, output: str | Path) -> list[Path]:
+        """Write ``comparison.html``, ``comparison.json``, ``comparison.parquet`` and one PNG per curve.
+
+        Raises:
+            InvalidInput: The folder cannot be written.
+        """
+        from osculate.study.comparison.report import write_figures, write_page
+
+        folder = Path(output)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            record = folder / "comparison.json"
+            text = json.dumps(self.cells, indent=1, ensure_ascii=False)
+            record.write_text(text + "\n", encoding="utf-8")
+            figures = write_figures(self, folder)
+            page = write_page(self, folder / "comparison.html", figures)
+            return [page, record, self._write_parquet(folder / "comparison.parquet"), *figures]
+        except OSError as error:
+            message = f"must be a writable folder ({error})"
+            raise InvalidInput("output", str(folder), message) from None
+
+    def _write_parquet(self, path: Path) -> Path:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        table = pa.Table.from_pylist(self.cells)
+        units = {name.encode(): unit.encode() for name, unit in UNITS.items()}
+        pq.write_table(table.replace_schema_metadata(units), path)
+        return path
+
+
+def compare(
+    controllers: Mapping[str, PathTracker] | None = None,
+    on: Mapping[str, Curve] | None = None,
+    *,
+    speeds: Sequence[float] = (0.5, 1.0, 2.0),
+    start: Mapping[str, InitialState] | None = None,
+    condition: Mapping[str, Condition] | None = None,
+    robot: Tricycle | None = None,
+    limits: Limits | None = None,
+    clock: Sampled | None = None,
+    report: Callable[[float], None] | None = None,
+) -> Comparison:
+    """Run every combination and collect one cell for each.
+
+    Args:
+        controllers: Path trackers by name; by default all of the package.
+        on: Curves by name; by default the built-in set.
+        speeds: Largest speeds (m/s).
+        start: Initial states by name.
+        condition: Ways in which the robot differs from what its law believes, by name.
+        robot: The robot; by default the paper's.
+        limits: Limits of the speed plans; ``speed`` is replaced.
+        clock: Period, known delay and step; the duration follows from the plans.
+        report: Called with the fraction that is done.
+
+    Raises:
+        NoSolution: The robot cannot follow one of the curves.
+    """
+    laws = dict(controllers or TRACKERS)
+    paths = dict(on or curves())
+    begins, states = dict(start or starts()), dict(condition or conditions())
+    body, task = robot or Tricycle(), limits or Limits()
+    timing = clock or Sampled(period=0.01, delay=0.01)
+    grid = list(itertools.product(paths, speeds, begins))
+    fields = {name: getattr(task, name) for name in type(task).model_fields}
+    allowed = {v: Limits(**{**fields, "speed": v, "creep": min(task.creep, v)}) for v in speeds}
+    longest = max(
+        plan_speed(path, body, bound).duration
+        for path in paths.values()
+        for bound in allowed.values()
+    )
+    comparison = Comparison([], {}, paths)
+    done = 0
+    for name, law in laws.items():
+        for kind, state in states.items():
+            ticks = timing.model_dump() | {
+                "unknown_delay": timing.unknown_delay + state.unknown_delay,
+                "duration": PATIENCE * longest + 5.0,
+            }
+            own = Sampled(**ticks)
+            batch = simulate_batch(
+                [paths[c] for c, _, _ in grid],
+                body,
+                limits=[allowed[v] for _, v, _ in grid],
+                initial=[begins[s] for _, _, s in grid],
+                plant=state.plant,
+                controller=law,
+                clock=own,
+                record_every=max(1, round(RECORD / own.step)),
+            )
+            for n, (c, v, s) in enumerate(grid):
+                comparison.cells.append(_cell((name, c, v, s, kind), batch.metrics, n))
+                key = (name, c, f"{v:g}", s, kind)
+                comparison.traces[key] = _trace(batch.record[n], batch.metrics.duration[n])
+            done += 1
+            if report:
+                report(done / (len(laws) * len(states)))
+    return comparison
+
+
+def _cell(key: tuple[Any, ...], metrics: Any, n: int) -> dict[str, Any]:
+    values = {name: float(getattr(metrics, field)[n]) for name, field in FIELDS.items()}
+    ended = str(metrics.ended[n])
+    failed = ended != "path end" or not values["cross_track_max"] <= OFF_ROAD
+    names = ("controller", "curve", "speed", "start", "plant")
+    return {**dict(zip(names, key, strict=True)), **values, "failed": failed, "ended": ended}
+
+
+def _trace(record: NDArray[np.float64], duration: float) -> Trace:
+    index = {variable.name: column for column, variable in enumerate(ROW)}
+    alive = record[:, index["time"]] <= duration + 1e-9
+    columns = (record[alive, index[n]] for n in ("foot", "cross_track_error", "x", "y"))
+    return Trace(*(np.array(column) for column in columns))

@@ -1,0 +1,113 @@
+"""The comparison as a page: ranking, all cells, one figure per curve."""
+
+import base64
+import html
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from osculate.simulation.plot import new_figure
+from osculate.study.comparison.compare import Comparison
+
+COLOURS = ("#1f5fa8", "#d9730d", "#2e8b57", "#b3261e", "#7b4fa3", "#5b6470", "#b08900", "#0f8a8a")
+
+
+def write_figures(comparison: Comparison, folder: Path) -> list[Path]:
+    """One PNG per curve: the curve, and the error of all controllers over arc length."""
+    paths = []
+    for name, curve in comparison.curves.items():
+        keys = [key for key in comparison.traces if key[1] == name]
+        _, start, kind = keys[0][2:]
+        speeds = sorted({key[2] for key in keys}, key=float)
+        speed = speeds[len(speeds) // 2]
+        figure, axes = new_figure(11.0, 3.8, [["path", "error", "error"]])
+        point = curve.at(np.linspace(0.0, curve.length, 801))
+        axes["path"].plot(point.x, point.y, color="#5b6470", linewidth=3.0, alpha=0.4)
+        for colour, law in zip(COLOURS, comparison.controllers, strict=False):
+            trace = comparison.traces[(law, name, speed, start, kind)]
+            axes["path"].plot(trace.x, trace.y, color=colour, linewidth=0.9)
+            error = np.maximum(1e3 * np.abs(trace.cross_track), 1e-5)
+            axes["error"].semilogy(trace.arc_length, error, color=colour, linewidth=1.1, label=law)
+        axes["path"].set_aspect("equal", adjustable="datalim")
+        axes["path"].set(xlabel="x (m)", ylabel="y (m)", title=f"{name}, up to {speed} m/s")
+        axes["error"].set(
+            xlabel="arc length (m)",
+            ylabel="|cross-track error| (mm)",
+            title=f"start {start}, {kind}",
+        )
+        axes["error"].legend(
+            loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small"
+        )
+        figure.subplots_adjust(right=0.84)
+        paths.append(folder / f"{name}.png")
+        figure.savefig(paths[-1])
+    return paths
+
+
+def ranking_table(comparison: Comparison) -> list[list[str]]:
+    """Rows of the ranking, the header first."""
+    rows = [
+        ["controller", "mean RMS (mm)", "worst max (mm)", "failures", "× the first", "better in"]
+    ]
+    for place, s in enumerate(comparison.ranking()):
+        rows.append(
+            [
+                s.controller,
+                f"{1e3 * s.cross_track_rms:.4g}",
+                f"{1e3 * s.cross_track_max:.4g}",
+                str(s.failures),
+                "1" if place == 0 else f"{s.ratio:.3g}",
+                "–" if place == 0 else f"{s.wins} of {s.cells} cells",
+            ]
+        )
+    return rows
+
+
+def cell_table(comparison: Comparison) -> list[list[str]]:
+    """Rows of all cells, the header first."""
+    rows = [
+        [
+            "controller", "curve", "speed (m/s)", "start", "plant", "RMS (mm)", "max (mm)",
+            "heading RMS (°)", "time (s)", "steering (rad)", "torque ripple (N m)", "work (J)", "",
+        ]
+    ]  # fmt: skip
+    return rows + [_cell_row(cell) for cell in comparison.cells]
+
+
+def _cell_row(c: dict[str, Any]) -> list[str]:
+    return [
+        c["controller"], c["curve"], f"{c['speed']:g}", c["start"], c["plant"],
+        f"{1e3 * c['cross_track_rms']:.4g}", f"{1e3 * c['cross_track_max']:.4g}",
+        f"{np.degrees(c['heading_error_rms']):.3g}", f"{c['duration']:.2f}",
+        f"{c['steering_travel']:.2f}", f"{c['torque_travel']:.1f}", f"{c['energy']:.0f}",
+        f"failed ({c['ended']})" if c["failed"] else "",
+    ]  # fmt: skip
+
+
+def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
+    """Write the self-contained page."""
+    pictures = "\n".join(
+        f'<img alt="{html.escape(f.stem)}" src="data:image/png;base64,'
+        f'{base64.b64encode(f.read_bytes()).decode()}">'
+        for f in figures
+    )
+    page = _PAGE.format(
+        ranking=_table(ranking_table(comparison)),
+        cells=_table(cell_table(comparison)),
+        pictures=pictures,
+    )
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _table(rows: list[list[str]]) -> str:
+    head, *body = rows
+    return f"<table>{_row(head, 'th')}{''.join(_row(row, 'td') for row in body)}</table>"
+
+
+def _row(cells: list[str], tag: str) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+
+_PAGE = Path(__file__).with_name("comparison.html").read_text(encoding="utf-8")

@@ -1,0 +1,147 @@
+"""Tuning a controller on training curves by CMA-ES (Hansen's ``cma``), a population at a time in lanes."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from osculate.control.tracking import PathTracker
+from osculate.curve import Curve
+from osculate.errors import InvalidInput, MissingExtra
+from osculate.plant import Actuated
+from osculate.simulation import InitialState, Sampled, simulate_batch
+from osculate.study.comparison.compare import OFF_ROAD, PATIENCE
+from osculate.study.comparison.suite import training_curves
+from osculate.target import Limits, plan_speed
+from osculate.vehicle import Tricycle
+
+SPEEDS = (0.5, 1.0, 2.0)
+STARTS = (
+    InitialState(),
+    InitialState(cross_track=0.1, heading_error=math.radians(5.0), settled=1.5),
+)
+FAILED = 10.0  # cost of a run that failed, in units of log10 of the RMS in mm
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """The best controller found, and how the search went."""
+
+    controller: PathTracker
+    cost: float  # mean of log10 of the RMS in mm
+    initial_cost: float
+    history: list[float]  # best cost of every generation
+
+    def write(self, path: str | Path) -> Path:
+        """Write the controller and the history as JSON; its ``controller`` fits a scenario file."""
+        content = {
+            "controller": self.controller.model_dump(mode="json"),
+            "cost": self.cost,
+            "initial_cost": self.initial_cost,
+            "history": self.history,
+        }
+        target = Path(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        return target
+
+
+def tune(
+    controller: PathTracker,
+    on: Mapping[str, Curve] | None = None,
+    *,
+    robot: Tricycle | None = None,
+    clock: Sampled | None = None,
+    generations: int = 12,
+    population: int = 10,
+    seed: int = 1,
+    report: Callable[[float], None] | None = None,
+) -> Tuning:
+    """Search the controller's tunable fields for the most exact tracking.
+
+    Args:
+        controller: Where the search starts.
+        on: Training curves by name; by default the package's, which are never reported.
+        robot: The robot; by default the paper's.
+        clock: Period, delay and step.
+        generations: Generations of the search.
+        population: Controllers per generation; their runs share a batch.
+        seed: Of the search: the same seed finds the same controller.
+        report: Called with the fraction that is done.
+
+    Raises:
+        InvalidInput: The controller has nothing to tune.
+        MissingExtra: The optimiser is not installed.
+    """
+    try:
+        import cma
+    except ImportError:
+        raise MissingExtra("tune", "cma") from None
+    ranges = controller.tunable
+    if not ranges:
+        raise InvalidInput("controller", type(controller).__name__, "has no tunable fields")
+    task = _Task(controller, dict(on or training_curves()), robot or Tricycle(), clock)
+    low, high = (np.log([ranges[name][side] for name in ranges]) for side in (0, 1))
+    begin = np.clip(np.log([getattr(controller, name) for name in ranges]), low, high)
+    options = {"popsize": population, "seed": seed, "verbose": -9, "bounds": [0.0, 1.0]}
+    unit = (begin - low) / (high - low)
+    search: Any = cma.CMAEvolutionStrategy(_padded(unit), 0.25, options)
+    initial = task.costs([task.make(ranges, begin)])[0]
+    best, found, history = initial, controller, []
+    for generation in range(generations):
+        points = search.ask()
+        laws = [task.make(ranges, low + p[: len(low)] * (high - low)) for p in points]
+        costs = task.costs(laws)
+        search.tell(points, costs)
+        if min(costs) < best:
+            best, found = min(costs), laws[int(np.argmin(costs))]
+        history.append(best)
+        if report:
+            report((generation + 1) / generations)
+    return Tuning(found, best, initial, history)
+
+
+def _padded(unit: Any) -> Any:
+    """The search needs two dimensions; a second one that does nothing is added to a single one."""
+    return unit if len(unit) > 1 else np.append(unit, 0.5)
+
+
+class _Task:
+    """All training runs of any number of controllers."""
+
+    def __init__(
+        self, law: PathTracker, paths: dict[str, Curve], robot: Tricycle, clock: Sampled | None
+    ) -> None:
+        self.law, self.robot = law, robot
+        self.cells = [
+            (path, Limits(speed=v), s) for path in paths.values() for v in SPEEDS for s in STARTS
+        ]
+        longest = max(plan_speed(path, robot, bound).duration for path, bound, _ in self.cells)
+        timing = (clock or Sampled(period=0.01, delay=0.01)).model_dump()
+        self.clock = Sampled(**{**timing, "duration": PATIENCE * longest + 5.0})
+
+    def make(self, ranges: Mapping[str, Any], logs: Any) -> PathTracker:
+        """The controller with other values of its tunable fields."""
+        fields = {name: getattr(self.law, name) for name in type(self.law).model_fields}
+        values = {name: float(value) for name, value in zip(ranges, np.exp(logs), strict=True)}
+        return type(self.law)(**{**fields, **values})
+
+    def costs(self, laws: list[PathTracker]) -> list[float]:
+        """Mean of log10 of the RMS (mm) over all training runs, for every controller."""
+        cells = [(law, *cell) for law in laws for cell in self.cells]
+        batch = simulate_batch(
+            [c[1] for c in cells],
+            self.robot,
+            controller=[c[0] for c in cells],
+            limits=[c[2] for c in cells],
+            initial=[c[3] for c in cells],
+            plant=Actuated(),
+            clock=self.clock,
+        )
+        arrived = (batch.metrics.ended == "path end") & (batch.metrics.cross_track_max <= OFF_ROAD)
+        cost = np.where(arrived, np.log10(1e3 * batch.metrics.cross_track_rms + 1e-9), FAILED)
+        return [float(c) for c in cost.reshape(len(laws), -1).mean(axis=1)]
