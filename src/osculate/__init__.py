@@ -9,17 +9,38 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from osculate.control import CurvatureLaw as CurvatureLaw
+    from osculate.control import CurvatureTracker as CurvatureTracker
+    from osculate.control import FeedforwardLqr as FeedforwardLqr
+    from osculate.control import Kanayama as Kanayama
+    from osculate.control import PreviewLqr as PreviewLqr
+    from osculate.control import PurePursuit as PurePursuit
     from osculate.control import SlidingMode as SlidingMode
+    from osculate.control import SpeedLoop as SpeedLoop
+    from osculate.control import Stanley as Stanley
+    from osculate.control import Stepper as Stepper
     from osculate.control import YawRegulator as YawRegulator
+    from osculate.curve import Arc as Arc
+    from osculate.curve import Chain as Chain
+    from osculate.curve import Clothoid as Clothoid
+    from osculate.curve import Composite as Composite
     from osculate.curve import Curve as Curve
+    from osculate.curve import CurveFile as CurveFile
     from osculate.curve import CurvePoint as CurvePoint
     from osculate.curve import Cycloid as Cycloid
+    from osculate.curve import Laps as Laps
+    from osculate.curve import Line as Line
+    from osculate.curve import Nurbs as Nurbs
     from osculate.curve import Parametric as Parametric
+    from osculate.curve import Pose as Pose
+    from osculate.curve import Segment as Segment
+    from osculate.curve import Spline as Spline
+    from osculate.curve import read_curve as read_curve
     from osculate.errors import InvalidInput as InvalidInput
     from osculate.errors import InvalidScenario as InvalidScenario
     from osculate.errors import MissingExtra as MissingExtra
     from osculate.errors import NoSolution as NoSolution
     from osculate.errors import OsculateError as OsculateError
+    from osculate.plant import Actuated as Actuated
     from osculate.plant import Disturbance as Disturbance
     from osculate.plant import Reduced as Reduced
     from osculate.scene import Block as Block
@@ -36,21 +57,75 @@ if TYPE_CHECKING:
     from osculate.simulation import simulate_batch as simulate_batch
     from osculate.simulation import variable_names as variable_names
     from osculate.study import Scenario as Scenario
+    from osculate.study.comparison import Comparison as Comparison
+    from osculate.study.comparison import Condition as Condition
+    from osculate.study.comparison import Tuning as Tuning
+    from osculate.study.comparison import compare as compare
+    from osculate.study.comparison import tune as tune
     from osculate.target import Dynamical as Dynamical
     from osculate.target import Exponential as Exponential
+    from osculate.target import Limits as Limits
     from osculate.target import Modified as Modified
     from osculate.target import Natural as Natural
     from osculate.target import Projected as Projected
     from osculate.target import SampledProfile as SampledProfile
+    from osculate.target import SpeedPlan as SpeedPlan
     from osculate.target import Static as Static
+    from osculate.target import plan_speed as plan_speed
+    from osculate.vehicle import Actuators as Actuators
     from osculate.vehicle import Tricycle as Tricycle
+    from osculate.vehicle import vehicle as vehicle
 
 _ROOMS = {
-    "control": ("CurvatureLaw", "SlidingMode", "YawRegulator"),
-    "curve": ("Curve", "CurvePoint", "Cycloid", "Parametric"),
-    "errors": ("InvalidInput", "InvalidScenario", "MissingExtra", "NoSolution", "OsculateError"),
-    "plant": ("Disturbance", "Reduced"),
-    "scene": ("Block", "Disc", "Scene", "Wall"),
+    "control": (
+        "CurvatureLaw",
+        "CurvatureTracker",
+        "FeedforwardLqr",
+        "Kanayama",
+        "PreviewLqr",
+        "PurePursuit",
+        "SlidingMode",
+        "SpeedLoop",
+        "Stanley",
+        "Stepper",
+        "YawRegulator",
+    ),
+    "curve": (
+        "Arc",
+        "Chain",
+        "Clothoid",
+        "Composite",
+        "Curve",
+        "CurveFile",
+        "CurvePoint",
+        "Cycloid",
+        "Laps",
+        "Line",
+        "Nurbs",
+        "Parametric",
+        "Pose",
+        "Segment",
+        "Spline",
+        "read_curve",
+    ),
+    "errors": (
+        "InvalidInput",
+        "InvalidScenario",
+        "MissingExtra",
+        "NoSolution",
+        "OsculateError",
+    ),
+    "plant": (
+        "Actuated",
+        "Disturbance",
+        "Reduced",
+    ),
+    "scene": (
+        "Block",
+        "Disc",
+        "Scene",
+        "Wall",
+    ),
     "simulation": (
         "Batch",
         "Continuous",
@@ -63,16 +138,30 @@ _ROOMS = {
         "variable_names",
     ),
     "study": ("Scenario",),
+    "study.comparison": (
+        "Comparison",
+        "Condition",
+        "Tuning",
+        "compare",
+        "tune",
+    ),
     "target": (
         "Dynamical",
         "Exponential",
+        "Limits",
         "Modified",
         "Natural",
         "Projected",
         "SampledProfile",
+        "SpeedPlan",
         "Static",
+        "plan_speed",
     ),
-    "vehicle": ("Tricycle",),
+    "vehicle": (
+        "Actuators",
+        "Tricycle",
+        "vehicle",
+    ),
 }
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 

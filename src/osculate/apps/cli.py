@@ -102,6 +102,169 @@ def paper(
 
 
 @app.command()
+def curve(
+    source: Annotated[
+        str,
+        typer.Argument(help="A curve file, a built-in curve or a scenario file.", metavar="FILE"),
+    ],
+    robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
+    scale: Annotated[float, typer.Option(help="Factor on all coordinates.")] = 1.0,
+    tolerance: Annotated[
+        float, typer.Option(help="Largest distance from the points (m); 0 goes through them.")
+    ] = 0.0,
+    speed: Annotated[float, typer.Option(help="Speed (m/s) that is asked for.")] = 1.0,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for a figure of the curve.")
+    ] = None,
+) -> None:
+    """Inspect a curve: length, curvature, the tightest place, and whether a robot can follow it."""
+    from osculate.study.feasibility import draw, inspect_curve, load_curve
+    from osculate.vehicle import vehicle
+
+    chosen, body = load_curve(source, scale, tolerance), vehicle(robot)
+    report = inspect_curve(chosen, body, speed)
+    table = Table(
+        title=source, title_justify="left", title_style="bold", show_header=False, box=None
+    )
+    table.add_column(style="dim")
+    table.add_column(justify="right")
+    for label, value in report.rows():
+        table.add_row(label, value)
+    out.print(table)
+    out.print(report.verdict, style="none" if report.feasible else "bold red")
+    if output:
+        out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
+    if not report.feasible:
+        raise typer.Exit(1)
+
+
+@app.command()
+def compare(
+    controllers: Annotated[
+        str, typer.Option(help="Names, separated by commas; all by default.")
+    ] = "",
+    curves: Annotated[str, typer.Option(help="Built-in curves or files, by commas.")] = "",
+    speeds: Annotated[str, typer.Option(help="Largest speeds (m/s), by commas.")] = "0.5,1,2",
+    starts: Annotated[
+        str, typer.Option(help="on-path, offset, metre, across; by commas.")
+    ] = "on-path,offset",
+    plants: Annotated[
+        str, typer.Option(help="ideal, slow-servo, late, payload, worn-wheels, bent-steering.")
+    ] = "ideal",
+    robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
+    scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for page, figures and data.")
+    ] = Path("comparison"),
+) -> None:
+    """Compare controllers on curves, speeds, starts and plants."""
+    from osculate.control.tracking import TRACKERS
+    from osculate.errors import InvalidInput
+    from osculate.study.comparison import compare as run_comparison
+    from osculate.study.comparison import curves as known_curves
+    from osculate.study.comparison import starts as known_starts
+    from osculate.study.comparison.report import ranking_table
+    from osculate.study.comparison.suite import conditions
+    from osculate.vehicle import vehicle
+
+    for name in _names(controllers):
+        if name not in TRACKERS:
+            raise InvalidInput("controller", name, f"must be one of {', '.join(TRACKERS)}")
+    with progress("comparing") as report:
+        result = run_comparison(
+            {name: TRACKERS[name] for name in _names(controllers) or TRACKERS},
+            known_curves(_names(curves), scale),
+            speeds=_numbers("speeds", speeds),
+            start=known_starts(_names(starts)),
+            condition=conditions(_names(plants)),
+            robot=vehicle(robot),
+            report=report,
+        )
+    header, *rows = ranking_table(result)
+    table = Table(*header, header_style="bold")
+    for row in rows:
+        table.add_row(*row)
+    out.print(table)
+    written = result.write(output)
+    out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
+
+
+@app.command()
+def tune(
+    controller: Annotated[str, typer.Argument(help="Name of a path tracker.")],
+    curves: Annotated[
+        str,
+        typer.Option(help="Training curves (built-in names or files); the package's by default."),
+    ] = "",
+    robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
+    scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
+    generations: Annotated[int, typer.Option(min=1, help="Generations of the search.")] = 12,
+    population: Annotated[int, typer.Option(min=4, help="Controllers per generation.")] = 10,
+    seed: Annotated[int, typer.Option(min=1, help="Seed of the search.")] = 1,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Result file (JSON).")] = Path(
+        "tuned.json"
+    ),
+) -> None:
+    """Tune a controller on training curves by CMA-ES."""
+    from osculate.control.tracking import TRACKERS
+    from osculate.errors import InvalidInput
+    from osculate.study.comparison import curves as known_curves
+    from osculate.study.comparison import tune as run_tuning
+    from osculate.vehicle import vehicle
+
+    if controller not in TRACKERS:
+        raise InvalidInput("controller", controller, f"must be one of {', '.join(TRACKERS)}")
+    training = known_curves(_names(curves), scale) if curves else None
+    with progress(f"tuning {controller}") as report:
+        result = run_tuning(
+            TRACKERS[controller], training, robot=vehicle(robot), generations=generations,
+            population=population, seed=seed, report=report,
+        )  # fmt: skip
+    for name in result.controller.tunable:
+        out.print(f"{name}: {getattr(result.controller, name):.6g}")
+    before, after = 10**result.initial_cost, 10**result.cost
+    out.print(f"geometric mean of the RMS: {before:.4g} mm before, {after:.4g} mm after")
+    out.print(f"Written: [bold]{result.write(output)}[/bold]", soft_wrap=True)
+
+
+@app.command()
+def init(
+    path: Annotated[Path, typer.Argument(help="File to write.")] = Path("scenario.yaml"),
+) -> None:
+    """Write a commented scenario to start from, and the schema that editors check it with."""
+    from osculate.study.scenario import write_template
+
+    for written in write_template(path):
+        out.print(f"Written: [bold]{written}[/bold]", soft_wrap=True)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of scenario files."""
+    import json
+
+    from osculate.study.scenario import Scenario
+
+    out.print_json(json.dumps(Scenario.model_json_schema()))
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _numbers(field: str, text: str) -> list[float]:
+    from osculate.errors import InvalidInput
+
+    try:
+        values = [float(part) for part in _names(text)]
+    except ValueError:
+        values = []
+    if not values or min(values) <= 0.0:
+        raise InvalidInput(field, text, "must be positive numbers (m/s), separated by commas")
+    return values
+
+
+@app.command()
 def model() -> None:
     """Print the derived equations of motion as LaTeX."""
     from osculate.vehicle.derivation import derive

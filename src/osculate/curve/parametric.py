@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from pydantic import model_validator
+from pydantic.json_schema import SkipJsonSchema
 
 from osculate.curve.arclength import ArcLength, Derivative
 from osculate.curve.contract import Curve, CurvePoint
@@ -47,8 +48,12 @@ class Parametric(Curve):
     """
 
     kind: Literal["parametric"] = "parametric"
-    x: str | Callable[[float], float] = quantity("m", "x(p), a formula in p or a function")
-    y: str | Callable[[float], float] = quantity("m", "y(p), a formula in p or a function")
+    x: str | SkipJsonSchema[Callable[[float], float]] = quantity(
+        "m", "x(p), a formula in p or a function"
+    )
+    y: str | SkipJsonSchema[Callable[[float], float]] = quantity(
+        "m", "y(p), a formula in p or a function"
+    )
     start: float = quantity("1", "first parameter", default=0.0)
     end: float = quantity("1", "last parameter", default=1.0)
     loop: bool = quantity("1", "whether its end continues into its start", default=False)

@@ -21,7 +21,7 @@ from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.records import DIVERGED, FINISHED
 from osculate.simulation.variables import ROW
-from osculate.target import Limits, Target
+from osculate.target import Limits, SpeedPlan, Target
 from osculate.vehicle import Tricycle
 
 
@@ -35,6 +35,7 @@ class Run:
         columns: The record: variable name to samples, shape (n,); ``time`` is one of them.
         metrics: Exactness and effort.
         message: How the run ended, in words.
+        plan: The speed plan of a path tracker.
     """
 
     setup: Setup
@@ -42,6 +43,7 @@ class Run:
     columns: dict[str, NDArray[np.float64]]
     metrics: Metrics
     message: str
+    plan: SpeedPlan | None = None
 
     @property
     def diverged(self) -> bool:
@@ -151,7 +153,9 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     }
     if not scene.is_empty:
         single["clearance_min"] = float(_clearance(loop.setup, scene, columns).min())
-    return Run(loop.setup, scene, columns, Metrics(**single), _message(code, on_time, columns))
+    return Run(
+        loop.setup, scene, columns, Metrics(**single), _message(code, on_time, columns), loop.plan
+    )
 
 
 def _clearance(

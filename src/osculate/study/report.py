@@ -12,8 +12,10 @@ from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints,
 
 if TYPE_CHECKING:
     from osculate.simulation import Run
+    from osculate.target import SpeedPlan
 
 Trace = dict[str, Any]
+PALETTE = [BLUE, ORANGE, GREEN, RED, "#7b4fa3", "#b08900", "#0f8a8a", "#5b6470"]
 
 
 def metric_rows(metrics: Metrics) -> list[tuple[str, str]]:
@@ -55,6 +57,8 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
         "Steering": _steering_plot(column),
         "Torques": _torque_plot(column),
     }
+    if run.plan is not None:
+        plots["Speed plan"] = _plan_plot(run, run.plan)
     page = _PAGE.format(
         title=html.escape(title),
         description=html.escape(description),
@@ -190,6 +194,29 @@ def _speed_error_plot(column: dict[str, Any]) -> dict[str, Any]:
     )
     plot["layout"]["yaxis"]["exponentformat"] = "power"
     return plot
+
+
+def _plan_plot(run: "Run", plan: "SpeedPlan") -> dict[str, Any]:
+    """The planned speed, coloured by the limit that binds, and the speed driven."""
+    shares = plan.shares()
+    every = max(1, len(plan.energy) // 1500)
+    s, speed = plan.arc_length[::every], plan.speed[::every]
+    binding = np.array(plan.binding)[::every]
+    traces = []
+    for colour, (name, share) in zip(PALETTE * 2, shares.items(), strict=False):
+        here = [
+            float(f"{v:.5g}") if b == name else None for v, b in zip(speed, binding, strict=True)
+        ]
+        traces.append(
+            {
+                "type": "scatter", "mode": "lines+markers", "name": f"{name} ({share:.0%})",
+                "x": _numbers(s), "y": here, "marker": {"color": colour, "size": 4},
+                "line": {"color": colour, "width": 3},
+            }
+        )  # fmt: skip
+    column = thinned(run)
+    traces.append(_line(column["foot"], column["speed"], "driven", GREY, "dot"))
+    return _plot(traces, "arc length (m)", "speed (m/s)", hovermode="closest")
 
 
 def _steering_plot(column: dict[str, Any]) -> dict[str, Any]:

@@ -4,27 +4,48 @@ from collections.abc import Mapping
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, field_validator, model_validator
 
 from osculate.control import CurvatureLaw
+from osculate.control.tracking import (
+    CurvatureTracker,
+    FeedforwardLqr,
+    Kanayama,
+    PathTracker,
+    PreviewLqr,
+    PurePursuit,
+    Stanley,
+)
 from osculate.curve import AnyCurve, Cycloid
 from osculate.errors import InvalidInput
-from osculate.plant import Disturbance, Reduced
+from osculate.plant import Actuated, AnyPlant, Disturbance, Reduced
 from osculate.scene import Scene, Wall
-from osculate.simulation import AnyClock, Continuous, InitialState, Run, simulate
+from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
 from osculate.simulation.blocks import Report
 from osculate.spec import Spec
-from osculate.target import AnyTarget, Modified
-from osculate.vehicle import Tricycle
+from osculate.target import AnyTarget, Limits, Modified
+from osculate.vehicle import Tricycle, vehicle
 
-DEFAULT = "paper"
+AnyController = Annotated[
+    CurvatureLaw
+    | CurvatureTracker
+    | PurePursuit
+    | Stanley
+    | Kanayama
+    | FeedforwardLqr
+    | PreviewLqr,
+    Field(discriminator="kind"),
+]
 
 
 class Scenario(Spec):
     """Obstacle → curve → speed target → controllers → simulation: the five steps of Table 2.
 
-    Every field has the paper's value by default. In a file, a cycloid that gives no ``distance`` and
-    ``height`` takes them from the first wall of the scene.
+    Every field has the paper's value by default; with a path tracker the plant is the actuated robot and
+    the clock a sampled one, 100 Hz and 10 ms late. ``robot`` may be a name of the catalogue. In a file,
+    a cycloid that gives no ``distance`` and ``height`` takes them from the first wall of the scene.
     """
 
     name: str = "unnamed"
@@ -33,11 +54,28 @@ class Scenario(Spec):
     robot: Tricycle = Tricycle()
     curve: AnyCurve = Cycloid()
     target: AnyTarget = Modified()
-    controller: CurvatureLaw = CurvatureLaw()
-    plant: Reduced = Reduced()
+    controller: AnyController = CurvatureLaw()
+    plant: AnyPlant = Reduced()
     disturbance: Disturbance = Disturbance()
     clock: AnyClock = Continuous()
     initial: InitialState = InitialState()
+    limits: Limits = Limits()
+
+    @field_validator("robot", mode="before")
+    @classmethod
+    def _named(cls, robot: Any) -> Any:
+        return vehicle(robot) if isinstance(robot, str) else robot
+
+    @model_validator(mode="before")
+    @classmethod
+    def _world(cls, fields: Any) -> Any:
+        """A path tracker drives, unless said otherwise, the actuated robot at 100 Hz, 10 ms late."""
+        law = fields.get("controller") if isinstance(fields, Mapping) else None
+        kind = law.get("kind") if isinstance(law, Mapping) else getattr(law, "kind", None)
+        if not isinstance(law, PathTracker) and kind in (None, "curvature"):
+            return fields
+        clock = Sampled(period=0.01, delay=0.01, duration=600.0)
+        return {"plant": Actuated(), "clock": clock, **fields}
 
     @classmethod
     def load(cls, source: str | Path) -> "Scenario":
@@ -48,12 +86,14 @@ class Scenario(Spec):
             InvalidScenario: Several fields are wrong.
         """
         text, label = _text(str(source))
-        return cls.parse(_with_obstacle(_mapping(text, label)))
+        return cls.parse(_with_folder(_with_obstacle(_mapping(text, label)), Path(source).parent))
 
     @cached_property
     def parts(self) -> dict[str, Any]:
         """The keyword arguments of `osculate.simulation` that this scenario stands for."""
-        names = ("target", "controller", "plant", "disturbance", "clock", "initial", "scene")
+        names = (
+            "target", "controller", "plant", "disturbance", "clock", "initial", "limits", "scene",
+        )  # fmt: skip
         return {name: getattr(self, name) for name in names}
 
     def run(self, report: Report | None = None) -> Run:
@@ -98,6 +138,15 @@ def _mapping(text: str, label: str) -> dict[str, Any]:
     return dict(loaded)
 
 
+def _with_folder(fields: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A curve's file is meant relative to the scenario's own folder."""
+    curve = fields.get("curve")
+    if not isinstance(curve, Mapping) or not isinstance(curve.get("path"), str):
+        return fields
+    beside = folder / curve["path"]
+    return {**fields, "curve": {**curve, "path": str(beside)}} if beside.is_file() else fields
+
+
 def _with_obstacle(fields: dict[str, Any]) -> dict[str, Any]:
     """Step 1 of Table 2: a cycloid without a size of its own goes over the scene's first wall."""
     curve, scene = fields.get("curve"), fields.get("scene")
@@ -109,3 +158,25 @@ def _with_obstacle(fields: dict[str, Any]) -> dict[str, Any]:
         return fields
     sizes = {name: walls[0][name] for name in ("distance", "height") if name in walls[0]}
     return {**fields, "curve": {**sizes, **curve}}
+
+
+def write_template(path: Path) -> list[Path]:
+    """Write a commented scenario, and beside it the JSON schema that it names.
+
+    Raises:
+        InvalidInput: The file exists already, or cannot be written.
+    """
+    import json
+
+    if path.exists():
+        raise InvalidInput("path", str(path), "exists already; give another name")
+    text = files("osculate.study").joinpath("template.yaml").read_text(encoding="utf-8")
+    schema = path.with_name("scenario.schema.json")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        content = json.dumps(Scenario.model_json_schema(), indent=1)
+        schema.write_text(content + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InvalidInput("path", str(path), f"must be writable ({error})") from None
+    return [path, schema]

@@ -14,6 +14,7 @@ from osculate.control.tracking.baselines import (
 from osculate.control.tracking.contract import PathTracker, Road
 from osculate.control.tracking.curvature_tracker import CurvatureTracker
 from osculate.control.tracking.speed_loop import SpeedLoop
+from osculate.control.tracking.stepper import Stepper
 
 AnyTracker = Annotated[
     CurvatureTracker | PurePursuit | Stanley | Kanayama | FeedforwardLqr | PreviewLqr,
@@ -42,4 +43,5 @@ __all__ = [
     "Road",
     "SpeedLoop",
     "Stanley",
+    "Stepper",
 ]

@@ -57,8 +57,8 @@ class PurePursuit(PathTracker):
         "lookahead": (0.05, 2.0),
         "lookahead_time": (0.02, 1.5),
     }
-    lookahead: float = quantity("m", "shortest look-ahead distance", default=0.25, gt=0)
-    lookahead_time: float = quantity("s", "look-ahead distance per speed", default=0.2, ge=0)
+    lookahead: float = quantity("m", "shortest look-ahead distance", default=0.2, gt=0)
+    lookahead_time: float = quantity("s", "look-ahead distance per speed", default=0.353, ge=0)
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
@@ -115,9 +115,9 @@ class Stanley(PathTracker):
         "softening": (0.01, 2.0),
         "damping": (0.001, 0.5),
     }
-    gain: float = quantity("1/s", "gain of the front wheel's cross-track error", default=2.0, gt=0)
-    softening: float = quantity("m/s", "speed below which the gain softens", default=0.3, ge=0)
-    damping: float = quantity("s", "damping of the yaw rate", default=0.05, ge=0)
+    gain: float = quantity("1/s", "gain of the front wheel's cross-track error", default=20.0, gt=0)
+    softening: float = quantity("m/s", "speed below which the gain softens", default=0.0104, ge=0)
+    damping: float = quantity("s", "damping of the yaw rate", default=0.438, ge=0)
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
@@ -177,8 +177,8 @@ class Kanayama(PathTracker):
         "aside_gain": (0.3, 60.0),
         "heading_gain": (0.3, 20.0),
     }
-    aside_gain: float = quantity("1/m²", "gain of the cross-track error", default=6.0, gt=0)
-    heading_gain: float = quantity("1/m", "gain of the heading error", default=4.0, gt=0)
+    aside_gain: float = quantity("1/m²", "gain of the cross-track error", default=12.8, gt=0)
+    heading_gain: float = quantity("1/m", "gain of the heading error", default=6.83, gt=0)
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
@@ -210,10 +210,10 @@ class FeedforwardLqr(PathTracker):
         "heading_weight": (0.01, 100.0),
         "lead": (0.005, 0.4),
     }
-    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=30.0, gt=0)
-    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=1.0, ge=0)
+    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=149.0, gt=0)
+    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=9.95, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)
-    lead: float = quantity("s", "how far ahead the curvature is read", default=0.1, ge=0)
+    lead: float = quantity("s", "how far ahead the curvature is read", default=0.122, ge=0)
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
@@ -230,8 +230,8 @@ class PreviewLqr(PathTracker):
         "aside_weight": (1.0, 1e4),
         "heading_weight": (0.01, 100.0),
     }
-    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=200.0, gt=0)
-    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=1.0, ge=0)
+    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=3380.0, gt=0)
+    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=10.3, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)
     tightness: float = quantity(
         "1", "see `CurvatureTracker`; here for the caution only", default=1.0

@@ -105,8 +105,8 @@ class CurvatureTracker(PathTracker):
     """
 
     kind: Literal["curvature-tracker"] = "curvature-tracker"
-    tunable: ClassVar[dict[str, tuple[float, float]]] = {"tightness": (0.3, 3.0)}
-    tightness: float = quantity("1", "how tightly the curve is held", default=1.0, gt=0.1, le=4)
+    tunable: ClassVar[dict[str, tuple[float, float]]] = {"tightness": (0.15, 1.5)}
+    tightness: float = quantity("1", "how tightly the curve is held", default=1.0, gt=0.05, le=2)
     approach_angle: float = quantity(
         "rad", "steepest angle at which the path is approached", default=0.7853981633974483,
         gt=0.1, lt=1.4,
@@ -136,7 +136,7 @@ def exact_part(law: Any, road: Road, demand: Any, linear: tuple[float, float]) -
         horizon,
         *gains,
         shortest=0.5 * robot.wheelbase / law.tightness,
-        time=2.0 * lag / law.tightness,
+        time=lag / law.tightness,
         slope=float(np.tan(law.approach_angle)),
         lateral=min(law.lateral_acceleration, tipping),
         steering_rate=0.85 * act.steering_rate_limit,

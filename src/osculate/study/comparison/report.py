@@ -39,7 +39,7 @@ def write_figures(comparison: Comparison, folder: Path) -> list[Path]:
         axes["error"].legend(
             loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small"
         )
-        figure.subplots_adjust(right=0.84)
+        figure.subplots_adjust(right=0.84, wspace=0.3)
         paths.append(folder / f"{name}.png")
         figure.savefig(paths[-1])
     return paths

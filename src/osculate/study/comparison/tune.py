@@ -23,7 +23,9 @@ SPEEDS = (0.5, 1.0, 2.0)
 STARTS = (
     InitialState(),
     InitialState(cross_track=0.1, heading_error=math.radians(5.0), settled=1.5),
+    InitialState(cross_track=-0.6, settled=2.5),
 )
+PLANTS = (Actuated(), Actuated(servo=0.75))  # a law that only just holds one robot is no good
 FAILED = 10.0  # cost of a run that failed, in units of log10 of the RMS in mm
 
 
@@ -118,9 +120,13 @@ class _Task:
     ) -> None:
         self.law, self.robot = law, robot
         self.cells = [
-            (path, Limits(speed=v), s) for path in paths.values() for v in SPEEDS for s in STARTS
+            (path, Limits(speed=v), start, plant)
+            for path in paths.values()
+            for v in SPEEDS
+            for start in STARTS
+            for plant in PLANTS
         ]
-        longest = max(plan_speed(path, robot, bound).duration for path, bound, _ in self.cells)
+        longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in self.cells)
         timing = (clock or Sampled(period=0.01, delay=0.01)).model_dump()
         self.clock = Sampled(**{**timing, "duration": PATIENCE * longest + 5.0})
 
@@ -139,7 +145,7 @@ class _Task:
             controller=[c[0] for c in cells],
             limits=[c[2] for c in cells],
             initial=[c[3] for c in cells],
-            plant=Actuated(),
+            plant=[c[4] for c in cells],
             clock=self.clock,
         )
         arrived = (batch.metrics.ended == "path end") & (batch.metrics.cross_track_max <= OFF_ROAD)
