@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from osculate.target import plan_speed as plan_speed
     from osculate.vehicle import Actuators as Actuators
     from osculate.vehicle import Tricycle as Tricycle
-    from osculate.vehicle import vehicle as vehicle
+    from osculate.vehicle import vehicle_named as vehicle_named
 
 _ROOMS = {
     "control": (
@@ -160,7 +160,7 @@ _ROOMS = {
     "vehicle": (
         "Actuators",
         "Tricycle",
-        "vehicle",
+        "vehicle_named",
     ),
 }
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}

@@ -119,9 +119,9 @@ def curve(
 ) -> None:
     """Inspect a curve: length, curvature, the tightest place, and whether a robot can follow it."""
     from osculate.study.feasibility import draw, inspect_curve, load_curve
-    from osculate.vehicle import vehicle
+    from osculate.vehicle import vehicle_named
 
-    chosen, body = load_curve(source, scale, tolerance), vehicle(robot)
+    chosen, body = load_curve(source, scale, tolerance), vehicle_named(robot)
     report = inspect_curve(chosen, body, speed)
     table = Table(
         title=source, title_justify="left", title_style="bold", show_header=False, box=None
@@ -165,7 +165,7 @@ def compare(
     from osculate.study.comparison import starts as known_starts
     from osculate.study.comparison.report import ranking_table
     from osculate.study.comparison.suite import conditions
-    from osculate.vehicle import vehicle
+    from osculate.vehicle import vehicle_named
 
     for name in _names(controllers):
         if name not in TRACKERS:
@@ -177,7 +177,7 @@ def compare(
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts)),
             condition=conditions(_names(plants)),
-            robot=vehicle(robot),
+            robot=vehicle_named(robot),
             report=report,
         )
     header, *rows = ranking_table(result)
@@ -210,14 +210,14 @@ def tune(
     from osculate.errors import InvalidInput
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import tune as run_tuning
-    from osculate.vehicle import vehicle
+    from osculate.vehicle import vehicle_named
 
     if controller not in TRACKERS:
         raise InvalidInput("controller", controller, f"must be one of {', '.join(TRACKERS)}")
     training = known_curves(_names(curves), scale) if curves else None
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
-            TRACKERS[controller], training, robot=vehicle(robot), generations=generations,
+            TRACKERS[controller], training, robot=vehicle_named(robot), generations=generations,
             population=population, seed=seed, report=report,
         )  # fmt: skip
     for name in result.controller.tunable:

@@ -88,7 +88,8 @@ def plan_approach(
     reach = min(curve.length - 1e-3, begin + 12.0 * radius)
     best: Approach | None = None
     joined = begin
-    for place in np.linspace(begin, reach, PLACES + 1)[1:]:
+    places = np.linspace(begin, reach, PLACES + 1)[1:] if reach > begin else ()
+    for place in places:
         way = _way(curve, start, float(place), radius)
         point = way.at(np.linspace(0.0, way.length, 400))
         steerable = np.abs(point.curvature).max() <= USABLE * tightest
@@ -97,7 +98,7 @@ def plan_approach(
     if best is None:
         raise NoSolution(
             f"no approach from ({start.x:.4g}, {start.y:.4g}) m, heading {start.heading:.4g} rad, "
-            f"joins the curve within {reach - begin:.4g} m and bends less than "
+            f"joins the curve within {max(reach - begin, 0.0):.4g} m and bends less than "
             f"{USABLE * tightest:.4g} 1/m; start nearer to the curve or leave it more length"
         )
     rest = Part(curve=curve, start=joined, end=curve.length)
@@ -160,8 +161,10 @@ def _straight(start: Pose, goal: Pose, radius: float, first: int, last: int) -> 
     span = _centre(goal, last, radius) - _centre(start, first, radius)
     distance = abs(span)
     across = 0.0 if first == last else 2.0 * radius
-    if distance < across or distance == 0.0:
+    if distance < across or (distance < 1e-9 and first != last):
         return None
+    if distance < 1e-9:  # one circle serves both poses
+        return [Leg(first, radius * _turn(first, goal.heading - start.heading))]
     direction = np.angle(span) + first * np.arcsin(across / distance)
     line = float(np.sqrt(max(distance**2 - across**2, 0.0)))
     return [
@@ -175,7 +178,7 @@ def _three_arcs(start: Pose, goal: Pose, radius: float, side: int) -> list[Leg] 
     """Arc, arc to the other side, arc."""
     a, b = _centre(start, side, radius), _centre(goal, side, radius)
     distance = abs(b - a)
-    if distance > 4.0 * radius or distance == 0.0:
+    if distance > 4.0 * radius or distance < 1e-9:
         return None
     angle = np.angle(b - a) - side * np.arccos(distance / (4.0 * radius))
     middle = a + 2.0 * radius * np.exp(1j * angle)

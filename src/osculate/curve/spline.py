@@ -99,14 +99,10 @@ class Spline(Sampled):
         u, points = self._chords
         if self.tolerance > 0.0:
             return self._smooth(u, points)
-        degree = min(DEGREE, len(points) - 1)
-        degree -= 1 - degree % 2  # odd degrees only: no knot between points is preferred
         if self.loop:
             return make_interp_spline(u, points, k=DEGREE, bc_type="periodic")
-        if degree == DEGREE:
-            free: Any = [(3, np.zeros(2)), (4, np.zeros(2))]  # the curvature fades out at both ends
-            return make_interp_spline(u, points, k=DEGREE, bc_type=(free, free))
-        return make_interp_spline(u, points, k=degree)
+        free: Any = [(3, np.zeros(2)), (4, np.zeros(2))]  # natural ends
+        return make_interp_spline(u, points, k=DEGREE, bc_type=(free, free))
 
     def _smooth(self, u: Array, points: Array) -> Any:
         """The smoothest spline whose distance from every point is within the tolerance.
@@ -230,7 +226,9 @@ class Nurbs(Sampled):
         weights = np.array(self.weights or np.ones(len(self.points)))[:, None]
         lifted = np.concatenate([np.array(self.points) * weights, weights], axis=1)
         spline = BSpline(np.array(self.knots), lifted, self.degree)
-        return [spline, *(spline.derivative(n) for n in (1, 2, 3))]
+        orders = [spline.derivative(n) for n in range(1, min(3, self.degree) + 1)]
+        flat = [lambda p: np.zeros((len(p), 3))] * (3 - len(orders))  # beyond the degree
+        return [spline, *orders, *flat]
 
     def _derivative(self, p: Array, order: int) -> Array:
         """Leibniz's rule on r · w: r⁽ⁿ⁾ = (A⁽ⁿ⁾ − Σ binom(n, k) w⁽ᵏ⁾ r⁽ⁿ⁻ᵏ⁾) / w."""

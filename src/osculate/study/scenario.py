@@ -26,7 +26,7 @@ from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled
 from osculate.simulation.blocks import Report
 from osculate.spec import Spec
 from osculate.target import AnyTarget, Limits, Modified
-from osculate.vehicle import Tricycle, vehicle
+from osculate.vehicle import Tricycle, vehicle_named
 
 AnyController = Annotated[
     CurvatureLaw
@@ -64,7 +64,7 @@ class Scenario(Spec):
     @field_validator("robot", mode="before")
     @classmethod
     def _named(cls, robot: Any) -> Any:
-        return vehicle(robot) if isinstance(robot, str) else robot
+        return vehicle_named(robot) if isinstance(robot, str) else robot
 
     @model_validator(mode="before")
     @classmethod

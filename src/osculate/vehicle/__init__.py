@@ -1,7 +1,7 @@
 """The robot: parameters with units and sources, its dynamics, what it does and is told."""
 
 from osculate.vehicle.actuators import Actuators
-from osculate.vehicle.catalogue import VEHICLES, vehicle
+from osculate.vehicle.catalogue import VEHICLES, vehicle_named
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Footprint, Tricycle
@@ -14,5 +14,5 @@ __all__ = [
     "Motion",
     "ReducedModel",
     "Tricycle",
-    "vehicle",
+    "vehicle_named",
 ]

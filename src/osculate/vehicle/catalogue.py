@@ -70,7 +70,7 @@ FORKLIFT = Tricycle(
 VEHICLES = {"paper": PAPER, "tugger": TUGGER, "forklift": FORKLIFT}
 
 
-def vehicle(name: str) -> Tricycle:
+def vehicle_named(name: str) -> Tricycle:
     """A robot of the catalogue by its name.
 
     Raises:
