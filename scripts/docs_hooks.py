@@ -1,8 +1,8 @@
 """Hooks of the docs build: formulas become MathML, so that pages need no script and no network.
 
-``$$ ... $$`` is a displayed formula, ``$ ... $`` one in a line. ``{{ model }}`` stands for the equations
-of motion, derived anew at every build. Formulas wait behind a mark while Markdown is at work, which
-would take MathML for a block of HTML.
+``$$ ... $$`` is a displayed formula, ``$ ... $`` one in a line. ``{{ model }}`` stands for the
+equations of motion and ``{{ comparison }}`` for the comparison of controllers, both made anew at every
+build. Formulas wait behind a mark while Markdown is at work, which would take MathML for HTML.
 """
 
 import re
@@ -20,8 +20,9 @@ _formulas: list[str] = []
 
 def on_page_markdown(markdown: str, **_: object) -> str:
     """Called by MkDocs before Markdown: hide the formulas."""
-    if "{{ model }}" in markdown:
-        markdown = markdown.replace("{{ model }}", model())
+    for mark, text in (("{{ model }}", model), ("{{ comparison }}", comparison)):
+        if mark in markdown:
+            markdown = markdown.replace(mark, text())
     parts = FENCE.split(markdown)
     return "".join(part if n % 2 else _hidden(part) for n, part in enumerate(parts))
 
@@ -44,6 +45,26 @@ def _hidden(text: str) -> str:
 def _mark(formula: str) -> str:
     _formulas.append(formula)
     return f"%FORMULA{len(_formulas) - 1}%"
+
+
+@cache
+def comparison() -> str:
+    """The rankings of all trackers on the built-in curves, as Markdown tables."""
+    from osculate import compare
+    from osculate.study.comparison.report import ranking_table
+    from osculate.study.comparison.suite import conditions, starts
+
+    tables = []
+    for title, begin, robot in (
+        ("On the robot that the laws know", ["on-path", "offset"], "ideal"),
+        ("With a steering servo 30 % slower", ["on-path"], "slow-servo"),
+        ("With 40 ms of delay that no law knows", ["on-path"], "late"),
+    ):
+        result = compare(start=starts(begin), condition=conditions([robot]))
+        header, *rows = ranking_table(result)
+        lines = [header, ["---"] + ["---:"] * (len(header) - 1), *rows]
+        tables.append(f"### {title}\n\n" + "\n".join("| " + " | ".join(r) + " |" for r in lines))
+    return "\n\n".join(tables)
 
 
 @cache

@@ -92,3 +92,64 @@ def test_paper_prints_every_verdict(tmp_path):
 def test_help_and_no_arguments():
     assert "run" in osculate("--help").stdout
     assert "Usage" in osculate("run", "--help").stdout
+
+
+def test_init_run_and_curve_lead_from_nothing_to_a_report(tmp_path):
+    scenario = tmp_path / "scenario.yaml"
+    osculate("init", scenario)
+    done = osculate("run", scenario, "--output", tmp_path / "out")
+    assert "reached the end of the path" in done.stdout
+    assert "<h2>Speed plan</h2>" in (tmp_path / "out" / "report.html").read_text()
+    shown = osculate("curve", scenario, "--output", tmp_path)
+    assert "tightest place" in shown.stdout
+    assert (tmp_path / "curve.png").is_file()
+    assert json.loads(osculate("schema").stdout)["title"] == "Scenario"
+
+
+def test_a_scenario_finds_files_beside_it(tmp_path):
+    (tmp_path / "way.csv").write_text("x,y\n0,0\n2,0.3\n4,0\n6,-0.2\n", encoding="utf-8")
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "robot: tugger\ncurve: {kind: file, path: way.csv}\n"
+        "controller: {kind: pure-pursuit, lookahead: 0.8}\nscene: {obstacles: []}\n",
+        encoding="utf-8",
+    )
+    assert "reached the end of the path" in osculate("run", path).stdout
+
+
+def test_compare_and_tune(tmp_path):
+    done = osculate(
+        "compare", "--controllers", "curvature-tracker,lqr", "--curves", "corner", "--speeds", "1",
+        "--starts", "on-path", "--output", tmp_path,
+    )  # fmt: skip
+    assert "curvature-tracker" in done.stdout
+    assert len(json.loads((tmp_path / "comparison.json").read_text())) == 2
+    done = osculate(
+        "tune", "pure-pursuit", "--curves", "corner", "--generations", "1", "--population", "4",
+        "--output", tmp_path / "tuned.json",
+    )  # fmt: skip
+    assert "lookahead" in done.stdout
+    assert json.loads((tmp_path / "tuned.json").read_text())["controller"]["kind"] == "pure-pursuit"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("compare", "--controllers", "magic"), "controller = 'magic': must be one of"),
+        (("compare", "--speeds", "fast"), "speeds = 'fast': must be positive numbers"),
+        (("tune", "curvature"), "controller = 'curvature': must be one of"),
+        (("curve", "corner", "--robot", "bus"), "robot = 'bus': must be one of paper, tugger"),
+        (("curve", "corner", "--speed", "-1"), "speed = -1.0: must be positive (m/s)"),
+        (("run", "nowhere.yaml"), "must be a YAML file or one of"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_explained(arguments, message):
+    done = osculate(*arguments, code=2)
+    assert message in done.stderr.replace("\n", " ")
+    assert "Traceback" not in done.stderr
+
+
+def test_a_curve_that_the_robot_cannot_follow_is_said_so(tmp_path):
+    path = tmp_path / "tight.csv"
+    path.write_text("0,0\n0.05,0.05\n0,0.1\n", encoding="utf-8")
+    assert "cannot follow the curve" in osculate("curve", path, code=1).stdout.replace("\n", " ")
