@@ -56,7 +56,7 @@ def comparison() -> str:
 
     tables = []
     for title, begin, robot in (
-        ("On the robot that the laws know", ["on-path", "offset"], "ideal"),
+        ("On the robot that the laws know", ["on-path", "offset", "metre", "across"], "ideal"),
         ("With a steering servo 30 % slower", ["on-path"], "slow-servo"),
         ("With 40 ms of delay that no law knows", ["on-path"], "late"),
     ):

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from osculate.control import CurvatureTracker as CurvatureTracker
     from osculate.control import FeedforwardLqr as FeedforwardLqr
     from osculate.control import Kanayama as Kanayama
+    from osculate.control import Nmpc as Nmpc
     from osculate.control import PreviewLqr as PreviewLqr
     from osculate.control import PurePursuit as PurePursuit
     from osculate.control import SlidingMode as SlidingMode
@@ -82,6 +83,7 @@ _ROOMS = {
         "CurvatureTracker",
         "FeedforwardLqr",
         "Kanayama",
+        "Nmpc",
         "PreviewLqr",
         "PurePursuit",
         "SlidingMode",

@@ -158,7 +158,7 @@ def compare(
     ] = Path("comparison"),
 ) -> None:
     """Compare controllers on curves, speeds, starts and plants."""
-    from osculate.control.tracking import TRACKERS
+    from osculate.control.tracking import TRACKERS, Nmpc
     from osculate.errors import InvalidInput
     from osculate.study.comparison import compare as run_comparison
     from osculate.study.comparison import curves as known_curves
@@ -167,12 +167,13 @@ def compare(
     from osculate.study.comparison.suite import conditions
     from osculate.vehicle import vehicle_named
 
+    laws: dict[str, Any] = {**TRACKERS, "nmpc": Nmpc()}
     for name in _names(controllers):
-        if name not in TRACKERS:
-            raise InvalidInput("controller", name, f"must be one of {', '.join(TRACKERS)}")
+        if name not in laws:
+            raise InvalidInput("controller", name, f"must be one of {', '.join(laws)}")
     with progress("comparing") as report:
         result = run_comparison(
-            {name: TRACKERS[name] for name in _names(controllers) or TRACKERS},
+            {name: laws[name] for name in _names(controllers) or TRACKERS},
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts)),

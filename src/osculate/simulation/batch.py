@@ -146,6 +146,10 @@ def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
         here = {name: v[n] if _is_list(v) else v for name, v in given.items()}
         setup = make_setup(here.pop("curve"), here.pop("robot", None), here)
         loops.append(close_loop(setup, tables))
+        if loops[n].decide is not None:
+            raise InvalidInput(
+                "controller", setup.controller, "decides in Python; use simulate, one run at a time"
+            )
         if loops[n].bindings != loops[0].bindings or setup.clock != loops[0].setup.clock:
             raise InvalidInput(
                 f"run {n}",

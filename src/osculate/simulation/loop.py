@@ -1,7 +1,7 @@
 """A closed loop: one choice of every part, made once, before anything runs."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from osculate.control import Controller, ControlPart, CurvatureLaw, Errors, Start
 from osculate.control.tracking import PathTracker, Road
+from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.curve import Curve, CurveTable, Pose, tabulate
 from osculate.curve.approach import plan_approach
 from osculate.curve.table import CELLS
@@ -104,6 +105,7 @@ class Loop:
     initial: Progress
     tables: NDArray[np.float64]
     plan: SpeedPlan | None = None  # of a path tracker
+    decide: Decide | None = None  # where steering decisions come from Python
 
     @cached_property
     def _engines(self) -> dict[int, Any]:
@@ -201,7 +203,10 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "path_end": curve.length,
         "deadline": math.inf,
     }
-    return _assemble(setup, table, start, control, parts, {"track": control.control}, tables, plan)
+    loop = _assemble(setup, table, start, control, parts, {"track": control.control}, tables, plan)
+    if isinstance(law, ExternalTracker):
+        return replace(loop, decide=law.decider(curve, road, loop.tables))
+    return loop
 
 
 def _with_approach(setup: Setup) -> Setup:

@@ -17,6 +17,7 @@ from osculate.plant import Disturbance, Plant
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block
 from osculate.simulation.clock import Clock
+from osculate.simulation.external import run_with_decisions
 from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.records import DIVERGED, FINISHED
@@ -135,7 +136,10 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     parameters = np.empty((size(loop.parameters), 1))
     store(loop.initial, runs, 0)
     store(loop.parameters, parameters, 0)
-    done = run_block(loop, runs, parameters, every=1, report=report)
+    if loop.decide is None:
+        done = run_block(loop, runs, parameters, every=1, report=report)
+    else:
+        done = run_with_decisions(loop, runs, parameters, report)
     final: Any = final_run(loop, done.runs)
     code = float(final.status.code[0])
     # the landing adds a sample of its own, except to a run that diverged

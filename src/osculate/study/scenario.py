@@ -13,6 +13,7 @@ from osculate.control.tracking import (
     CurvatureTracker,
     FeedforwardLqr,
     Kanayama,
+    Nmpc,
     PathTracker,
     PreviewLqr,
     PurePursuit,
@@ -35,7 +36,8 @@ AnyController = Annotated[
     | Stanley
     | Kanayama
     | FeedforwardLqr
-    | PreviewLqr,
+    | PreviewLqr
+    | Nmpc,
     Field(discriminator="kind"),
 ]
 

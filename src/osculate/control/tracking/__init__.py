@@ -13,15 +13,16 @@ from osculate.control.tracking.baselines import (
 )
 from osculate.control.tracking.contract import PathTracker, Road
 from osculate.control.tracking.curvature_tracker import CurvatureTracker
+from osculate.control.tracking.nmpc import Nmpc
 from osculate.control.tracking.speed_loop import SpeedLoop
 from osculate.control.tracking.stepper import Stepper
 
 AnyTracker = Annotated[
-    CurvatureTracker | PurePursuit | Stanley | Kanayama | FeedforwardLqr | PreviewLqr,
+    CurvatureTracker | PurePursuit | Stanley | Kanayama | FeedforwardLqr | PreviewLqr | Nmpc,
     Field(discriminator="kind"),
 ]
 
-#: All trackers by name, with their defaults.
+#: All compiled trackers by name, with their defaults.
 TRACKERS: dict[str, PathTracker] = {
     "curvature-tracker": CurvatureTracker(),
     "lqr-preview": PreviewLqr(),
@@ -37,6 +38,7 @@ __all__ = [
     "CurvatureTracker",
     "FeedforwardLqr",
     "Kanayama",
+    "Nmpc",
     "PathTracker",
     "PreviewLqr",
     "PurePursuit",

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.tracking import TRACKERS, PathTracker
+from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
-from osculate.simulation import InitialState, Sampled, simulate_batch
+from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.simulation.variables import ROW
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.target import Limits, plan_speed
@@ -188,6 +189,18 @@ def compare(
                 "duration": PATIENCE * longest + 5.0,
             }
             own = Sampled(**ticks)
+            if isinstance(law, ExternalTracker):
+                for c, v, s in grid:
+                    run = simulate(
+                        paths[c], body, limits=allowed[v], initial=begins[s], plant=state.plant,
+                        controller=law, clock=own,
+                    )  # fmt: skip
+                    comparison.cells.append(_cell((name, c, v, s, kind), run.metrics, None))
+                    names = ("foot", "cross_track_error", "x", "y")
+                    every = max(1, round(RECORD / own.step))
+                    columns = (run.columns[column][::every] for column in names)
+                    comparison.traces[(name, c, f"{v:g}", s, kind)] = Trace(*columns)
+                continue
             batch = simulate_batch(
                 [paths[c] for c, _, _ in grid],
                 body,
@@ -208,9 +221,15 @@ def compare(
     return comparison
 
 
-def _cell(key: tuple[Any, ...], metrics: Any, n: int) -> dict[str, Any]:
-    values = {name: float(getattr(metrics, field)[n]) for name, field in FIELDS.items()}
-    ended = str(metrics.ended[n])
+def _cell(key: tuple[Any, ...], metrics: Any, n: int | None) -> dict[str, Any]:
+    """The cell of run ``n`` of a batch, or of a single run."""
+
+    def value(name: str) -> Any:
+        whole = getattr(metrics, name)
+        return whole if n is None else whole[n]
+
+    values = {name: float(value(field)) for name, field in FIELDS.items()}
+    ended = str(value("ended"))
     failed = ended != "path end" or not values["cross_track_max"] <= OFF_ROAD
     names = ("controller", "curve", "speed", "start", "plant")
     return {**dict(zip(names, key, strict=True)), **values, "failed": failed, "ended": ended}
