@@ -83,6 +83,11 @@ def _problems(
         yield InvalidInput(
             path, details["input"], f"unknown field; valid fields: {', '.join(fields)}"
         )
+    elif details["type"] == "union_tag_invalid":
+        tags = details["ctx"]["expected_tags"]
+        yield InvalidInput(f"{path}.kind", details["ctx"]["tag"], f"must be one of {tags}")
+    elif details["type"] == "union_tag_not_found":
+        yield InvalidInput(path, details["input"], "needs a field 'kind' that says which one it is")
     elif details["type"] == "missing":
         yield InvalidInput(path, None, "required field is missing")
     else:

@@ -69,8 +69,11 @@ def test_running_a_scenario_is_calling_simulate():
         ("curve: {kind: cycloid, margin: -1}", r"curve\.cycloid\.margin = -1: must be .* 0 \(m\)"),
         ("robot: {weight: 3}", r"robot\.weight = 3: unknown field; valid fields: kind, body_mass"),
         ("robots: {}", "robots = {}: unknown field; valid fields: name, description, scene"),
-        ("curve: {kind: circle}", "curve = .*'cycloid', 'parametric'"),
-        ("clock: {step: 0.001}", "clock = .*kind"),
+        (
+            "curve: {kind: circle}",
+            r"curve\.kind = 'circle': must be one of 'cycloid', 'parametric'",
+        ),
+        ("clock: {step: 0.001}", "clock = .*needs a field 'kind'"),
         ("clock: {kind: continuous, step: .nan}", "step = nan"),
         ("[1, 2]", "must hold a mapping"),
         ("curve: {kind: cycloid", "is not valid YAML at line 1"),

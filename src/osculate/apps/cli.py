@@ -1,6 +1,7 @@
 """The command line: thin commands over the same calls that Python users make."""
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,12 +35,18 @@ ScenarioArgument = Annotated[
 
 def main() -> None:
     """Entry point: runs a command and turns the package's errors into one message and exit code 2."""
+    warnings.showwarning = _show_warning
     try:
         app()
     except OsculateError as error:
         err.print("[bold red]error:[/bold red]", end=" ")
         err.print(str(error), markup=False)
         sys.exit(2)
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    err.print("[bold yellow]warning:[/bold yellow]", end=" ")
+    err.print(str(message), markup=False)
 
 
 @app.command()

@@ -162,12 +162,19 @@ class Spline(Sampled):
         """Largest and root-mean-square distance (m) of the points from the curve."""
         from scipy.spatial import KDTree
 
-        point = self.at(np.linspace(0.0, self.length, 64 * len(self.waypoints) + 1))
+        s = np.linspace(0.0, self.length, 64 * len(self.waypoints) + 1)
+        point = self.at(s)
         curve = np.stack([point.x, point.y], axis=1)
         near: Any = KDTree(curve).query(self.waypoints)[1]
-        gap = self.waypoints - curve[near]  # its part across the curve: samples lie beside the feet
-        heading = point.heading[near]
-        distance = np.abs(gap[:, 1] * np.cos(heading) - gap[:, 0] * np.sin(heading))
+        foot = s[near]
+        for _ in range(4):  # Newton, from the nearest sample to the foot
+            point = self.at(foot)
+            dx, dy = self.waypoints[:, 0] - point.x, self.waypoints[:, 1] - point.y
+            cosine, sine = np.cos(point.heading), np.sin(point.heading)
+            slack = np.maximum(1.0 - point.curvature * (dy * cosine - dx * sine), 0.1)
+            foot = np.clip(foot + (dx * cosine + dy * sine) / slack, 0.0, self.length)
+        point = self.at(foot)
+        distance = np.hypot(self.waypoints[:, 0] - point.x, self.waypoints[:, 1] - point.y)
         return float(distance.max()), float(np.sqrt((distance**2).mean()))
 
 
