@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import SerializeAsAny, field_validator, model_validator
 
-from osculate.curve.contract import Curve, CurvePoint
+from osculate.curve.contract import Array, Curve, CurvePoint, at_joined
 from osculate.errors import InvalidInput
 from osculate.spec import quantity
 
@@ -54,10 +54,6 @@ class Composite(Curve):
         return self
 
     @cached_property
-    def _ends(self) -> Any:
-        return np.cumsum([piece.length for piece in self.pieces])
-
-    @cached_property
     def _turns(self) -> list[float]:
         """Whole turns to add to the headings of each piece so that they continue."""
         turns = [0.0]
@@ -71,21 +67,16 @@ class Composite(Curve):
     @property
     def length(self) -> float:
         """See `Curve.length`."""
-        return float(self._ends[-1])
+        return float(sum(piece.length for piece in self.pieces))
 
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""
-        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
-        flat = s.ravel()
-        which = np.minimum(np.searchsorted(self._ends, flat, side="right"), len(self._ends) - 1)
-        columns = np.empty((5, flat.size))
-        for n, piece in enumerate(self.pieces):
-            here = which == n
-            if here.any():
-                point = piece.at(flat[here] - (self._ends[n] - piece.length))
-                columns[:, here] = np.stack(point)
-                columns[2, here] += self._turns[n]
-        return CurvePoint(*(column.reshape(s.shape) for column in columns))
+
+        def piece(n: int, s: Array) -> CurvePoint:
+            point = self.pieces[n].at(s)
+            return point._replace(heading=point.heading + self._turns[n])
+
+        return at_joined([part.length for part in self.pieces], piece, arc_length)
 
 
 class Laps(Curve):

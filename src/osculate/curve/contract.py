@@ -1,12 +1,15 @@
 """The one contract of every curve: a length, and a `CurvePoint` at each arc length."""
 
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from osculate.spec import Spec
+
+Array = NDArray[np.float64]
 
 
 class CurvePoint(NamedTuple):
@@ -17,6 +20,27 @@ class CurvePoint(NamedTuple):
     heading: Any  # rad, of the tangent, unwrapped along the curve
     curvature: Any  # 1/m, dθ/ds, positive to the left
     curvature_rate: Any  # 1/m², dκ/ds
+
+
+def at_joined(
+    lengths: Sequence[float], at: Callable[[int, Array], CurvePoint], arc_length: ArrayLike
+) -> CurvePoint:
+    """Points of pieces that are joined end to start.
+
+    Args:
+        lengths: Lengths of the pieces (m).
+        at: Number of a piece and arc lengths on it (m), shape (n,), to its points.
+        arc_length: Arc lengths on the whole (m), any shape; clipped to it.
+    """
+    ends = np.cumsum(lengths)
+    s = np.clip(np.asarray(arc_length, dtype=float), 0.0, ends[-1])
+    flat = s.ravel()
+    which = np.minimum(np.searchsorted(ends, flat, side="right"), len(ends) - 1)
+    columns = np.empty((5, flat.size))
+    for n in np.unique(which):
+        here = which == n
+        columns[:, here] = at(int(n), flat[here] - (ends[n] - lengths[n]))
+    return CurvePoint(*(column.reshape(s.shape) for column in columns))
 
 
 class Curve(Spec):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import field_validator, model_validator
 
-from osculate.curve.contract import Curve, CurvePoint
+from osculate.curve.contract import Curve, CurvePoint, at_joined
 from osculate.errors import InvalidInput, MissingExtra
 from osculate.spec import Spec, quantity
 
@@ -71,26 +71,15 @@ class Segmented(Curve):
         """The spirals in order; the end of each is the start of the next."""
         raise NotImplementedError
 
-    @cached_property
-    def _ends(self) -> Array:
-        return np.cumsum([spiral.length for spiral in self.spirals])
-
     @property
     def length(self) -> float:
         """See `Curve.length`."""
-        return float(self._ends[-1])
+        return float(sum(spiral.length for spiral in self.spirals))
 
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""
-        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
-        flat = s.ravel()
-        which = np.minimum(np.searchsorted(self._ends, flat, side="right"), len(self._ends) - 1)
-        columns = np.empty((5, flat.size))
-        for n, spiral in enumerate(self.spirals):
-            here = which == n
-            if here.any():
-                columns[:, here] = spiral.at(flat[here] - (self._ends[n] - spiral.length))
-        return CurvePoint(*(column.reshape(s.shape) for column in columns))
+        lengths = [spiral.length for spiral in self.spirals]
+        return at_joined(lengths, lambda n, s: self.spirals[n].at(s), arc_length)
 
 
 class Line(Segmented):
