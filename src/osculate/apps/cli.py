@@ -56,6 +56,10 @@ def run(
         Path | None, typer.Option("--output", "-o", help="Folder for report, data and figures.")
     ] = None,
     animate: Annotated[bool, typer.Option("--animate", help="Also write animation.gif.")] = False,
+    save: Annotated[
+        list[Path] | None,
+        typer.Option("--save", help="Also save the run here: .nc, .mcap (ROS 2), .rrd (Rerun)."),
+    ] = None,
 ) -> None:
     """Run a scenario: obstacle, curve, speed target, controllers, simulation, report."""
     from osculate.study.scenario import Scenario
@@ -70,6 +74,8 @@ def run(
         with progress("writing") as report:
             written = write_output(result, output, chosen, animate=animate, report=report)
         out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
+    for path in save or ():
+        out.print(f"Saved: [bold]{result.save(path)}[/bold]", soft_wrap=True)
     if result.diverged:
         raise typer.Exit(1)
 

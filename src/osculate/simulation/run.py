@@ -64,10 +64,27 @@ class Run:
         return run_dataset(self)
 
     def save(self, path: str | Path) -> Path:
-        """Write the record as netCDF, readable by xarray and any other netCDF reader."""
-        from osculate.simulation.dataset import write_netcdf
+        """Write the record; the file's ending chooses the format.
 
-        return write_netcdf(self, Path(path))
+        ``.nc``: netCDF, for xarray and any other netCDF reader. ``.mcap``: ROS 2 messages (extra
+        ``mcap``). ``.rrd``: a Rerun recording (extra ``rerun``).
+
+        Raises:
+            InvalidInput: Another ending, or a file that cannot be written.
+            MissingExtra: What writes this format is not installed.
+        """
+        target = Path(path)
+        if target.suffix not in (".nc", ".mcap", ".rrd"):
+            raise InvalidInput("path", str(path), "must end in .nc, .mcap or .rrd")
+        from osculate.simulation.dataset import write_netcdf
+        from osculate.simulation.recording import write_mcap, write_rerun
+
+        write = {".nc": write_netcdf, ".mcap": write_mcap, ".rrd": write_rerun}[target.suffix]
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            return write(self, target)
+        except OSError as error:
+            raise InvalidInput("path", str(path), f"must be writable ({error})") from None
 
     def plot(self) -> Any:
         """Path, speeds, errors and commands as one Matplotlib figure."""

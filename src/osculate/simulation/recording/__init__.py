@@ -1,0 +1,6 @@
+"""Runs as files of other tools: MCAP with ROS 2 messages, Rerun recordings."""
+
+from osculate.simulation.recording.mcap import write_mcap
+from osculate.simulation.recording.rerun import write_rerun
+
+__all__ = ["write_mcap", "write_rerun"]
