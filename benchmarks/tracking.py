@@ -101,10 +101,10 @@ def lanes(stepper, motion, width=64, calls=4000):
     memory, parameters = (np.repeat(a, width, 1) for a in (stepper._memory, stepper._parameters))
     seen = np.repeat(np.array(motion)[:, None], width, 1)
     command = np.zeros((3, width))
-    wide.step_block(memory, parameters, seen, command, stepper._tables)
+    wide.step_block(memory, parameters, seen, command, stepper.tables)
     begin = time.perf_counter()
     for _ in range(calls):
-        wide.step_block(memory, parameters, seen, command, stepper._tables)
+        wide.step_block(memory, parameters, seen, command, stepper.tables)
     return width * calls / (time.perf_counter() - begin)
 
 

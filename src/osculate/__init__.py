@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from osculate.errors import OsculateError as OsculateError
     from osculate.plant import Actuated as Actuated
     from osculate.plant import Disturbance as Disturbance
+    from osculate.plant import Mujoco as Mujoco
     from osculate.plant import Reduced as Reduced
     from osculate.scene import Block as Block
     from osculate.scene import Disc as Disc
@@ -120,6 +121,7 @@ _ROOMS = {
     "plant": (
         "Actuated",
         "Disturbance",
+        "Mujoco",
         "Reduced",
     ),
     "scene": (

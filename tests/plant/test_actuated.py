@@ -52,7 +52,7 @@ def test_work_of_the_torques_becomes_energy_and_rolling_losses(robot):
 
     def power(y):
         s = kind(*y)
-        rolling = part.parameters.resistance * s.speed / (abs(s.speed) + 0.01)
+        rolling = part.parameters.resistance * s.speed / (abs(s.speed) + 0.002)
         return (s.torque_left + s.torque_right - rolling) * s.speed / robot.wheel_radius
 
     def energy(y):

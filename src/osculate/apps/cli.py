@@ -56,6 +56,9 @@ def run(
         Path | None, typer.Option("--output", "-o", help="Folder for report, data and figures.")
     ] = None,
     animate: Annotated[bool, typer.Option("--animate", help="Also write animation.gif.")] = False,
+    plant: Annotated[
+        str, typer.Option(help="Another plant than the scenario's: actuated or mujoco.")
+    ] = "",
     save: Annotated[
         list[Path] | None,
         typer.Option("--save", help="Also save the run here: .nc, .mcap (ROS 2), .rrd (Rerun)."),
@@ -65,6 +68,8 @@ def run(
     from osculate.study.scenario import Scenario
 
     chosen = Scenario.load(scenario)
+    if plant:
+        chosen = chosen.on(plant)
     with progress("simulating") as report:
         result = chosen.run(report)
     _print_metrics(result, chosen.name)
@@ -162,7 +167,8 @@ def compare(
         str, typer.Option(help="on-path, offset, metre, across; by commas.")
     ] = "on-path,offset",
     plants: Annotated[
-        str, typer.Option(help="ideal, slow-servo, late, payload, worn-wheels, bent-steering.")
+        str,
+        typer.Option(help="ideal, slow-servo, late, payload, worn-wheels, bent-steering, mujoco."),
     ] = "ideal",
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,

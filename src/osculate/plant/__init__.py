@@ -7,8 +7,9 @@ from pydantic import Field
 from osculate.plant.actuated import Actuated
 from osculate.plant.contract import Plant, PlantPart, Push
 from osculate.plant.disturbance import Disturbance
+from osculate.plant.mujoco import Mujoco
 from osculate.plant.reduced import Reduced
 
-AnyPlant = Annotated[Reduced | Actuated, Field(discriminator="kind")]
+AnyPlant = Annotated[Reduced | Actuated | Mujoco, Field(discriminator="kind")]
 
-__all__ = ["Actuated", "AnyPlant", "Disturbance", "Plant", "PlantPart", "Push", "Reduced"]
+__all__ = ["Actuated", "AnyPlant", "Disturbance", "Mujoco", "Plant", "PlantPart", "Push", "Reduced"]

@@ -15,7 +15,7 @@ from osculate.vehicle.model import ReducedModel, steered_acceleration
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Tricycle
 
-CRAWL = 0.01  # m/s, speed at which rolling resistance has half of its size
+CRAWL = 0.002  # m/s, speed at which rolling resistance has half of its size
 
 
 class ActuatedState(NamedTuple):

@@ -16,7 +16,7 @@ from osculate.curve.approach import plan_approach
 from osculate.curve.table import CELLS
 from osculate.errors import InvalidInput
 from osculate.kernel import Nothing, Tables, compose, leaves
-from osculate.plant import Disturbance, Plant, Reduced
+from osculate.plant import Disturbance, Mujoco, Plant, Reduced
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
 from osculate.simulation.clock import Clock, Continuous, Sampled
 from osculate.simulation.records import (
@@ -180,12 +180,14 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         raise InvalidInput(
             "clock", clock, "a path tracker decides at instants; must be Sampled(...)"
         )
+    if isinstance(setup.plant, Mujoco):
+        raise InvalidInput("plant", setup.plant, "runs one robot at a time; use simulate")
     if isinstance(setup.plant, Reduced):
         raise InvalidInput(
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
         )
     require_valid(setup.limits)
-    setup = _with_approach(setup)
+    setup = with_approach(setup)
     curve = setup.curve
     cells = max(CELLS, math.ceil(curve.length / FINEST_TABLE))
     beyond = BEYOND + 2.0 * robot.wheelbase
@@ -209,7 +211,7 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     return loop
 
 
-def _with_approach(setup: Setup) -> Setup:
+def with_approach(setup: Setup) -> Setup:
     """The setup with a way onto the curve before it, if the start is beyond what a tracker recovers.
 
     Raises:

@@ -13,7 +13,7 @@ from osculate.control import Controller
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
 from osculate.kernel import store
-from osculate.plant import Disturbance, Plant
+from osculate.plant import Disturbance, Mujoco, Plant
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block
 from osculate.simulation.clock import Clock
@@ -54,7 +54,7 @@ class Run:
     @cached_property
     def clearance(self) -> NDArray[np.float64]:
         """Distance from the footprint to the nearest obstacle (m), shape (n,)."""
-        return _clearance(self.setup, self.scene, self.columns)
+        return clearance_of(self.setup, self.scene, self.columns)
 
     @cached_property
     def data(self) -> Any:
@@ -118,6 +118,10 @@ def simulate(
         InvalidInput: Parts that do not exist or do not fit each other.
     """
     setup = make_setup(curve, robot, parts)
+    if isinstance(setup.plant, Mujoco):
+        from osculate.simulation.physics import run_physics
+
+        return run_physics(setup, scene or Scene(), report)
     return run_loop(close_loop(setup), scene or Scene(), report)
 
 
@@ -173,15 +177,16 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
         for name, value in many.as_dict().items()
     }
     if not scene.is_empty:
-        single["clearance_min"] = float(_clearance(loop.setup, scene, columns).min())
+        single["clearance_min"] = float(clearance_of(loop.setup, scene, columns).min())
     return Run(
         loop.setup, scene, columns, Metrics(**single), _message(code, on_time, columns), loop.plan
     )
 
 
-def _clearance(
+def clearance_of(
     setup: Setup, scene: Scene, columns: dict[str, NDArray[np.float64]]
 ) -> NDArray[np.float64]:
+    """Distance from the footprint to the nearest obstacle (m) along a record, shape (n,)."""
     begin = setup.curve.at(0.0)
     return scene.clearance(
         (float(begin.x), float(begin.y)),

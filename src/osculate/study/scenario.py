@@ -21,7 +21,7 @@ from osculate.control.tracking import (
 )
 from osculate.curve import AnyCurve, Cycloid
 from osculate.errors import InvalidInput
-from osculate.plant import Actuated, AnyPlant, Disturbance, Reduced
+from osculate.plant import Actuated, AnyPlant, Disturbance, Mujoco, Reduced
 from osculate.scene import Scene, Wall
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
 from osculate.simulation.blocks import Report
@@ -89,6 +89,18 @@ class Scenario(Spec):
         """
         text, label = _text(str(source))
         return cls.parse(_with_folder(_with_obstacle(_mapping(text, label)), Path(source).parent))
+
+    def on(self, plant: str) -> "Scenario":
+        """The same scenario on another plant: ``actuated`` or ``mujoco``.
+
+        Raises:
+            InvalidInput: No such plant.
+        """
+        plants: dict[str, AnyPlant] = {"actuated": Actuated(), "mujoco": Mujoco()}
+        if plant not in plants:
+            raise InvalidInput("plant", plant, f"must be one of {', '.join(plants)}")
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        return Scenario(**{**fields, "plant": plants[plant]})
 
     @cached_property
     def parts(self) -> dict[str, Any]:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import ControlPart, Start
-from osculate.control.tracking.contract import PathTracker, Road
+from osculate.control.tracking.contract import PathTracker, Road, TrackingMemory
+from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
 from osculate.curve.table import CELLS, tabulate
 from osculate.errors import InvalidInput
@@ -32,6 +33,7 @@ class Stepper:
         period: Time between two calls of `step` (s).
         delay: Time from a decision to its effect (s), in whole periods.
         motion: Where the robot is; by default at the start of the curve, at rest.
+        progress: Arc length (m) of the curve near which it is.
 
     Raises:
         InvalidInput: A period that is not positive, or a delay that is not a multiple of it.
@@ -48,6 +50,7 @@ class Stepper:
         period: float = 0.01,
         delay: float = 0.01,
         motion: Motion | None = None,
+        progress: float = 0.0,
     ) -> None:
         if not period > 0:
             raise InvalidInput("period", period, "must be positive (s)")
@@ -58,20 +61,24 @@ class Stepper:
         plan = plan_speed(curve, body, limits)
         table = tabulate(curve, tables, CELLS, BEYOND + 2.0 * body.wheelbase)
         road = Road(body, table, plan.table(tables), period, slots)
-        begin = curve.at(0.0)
+        begin = curve.at(progress)
         start = Start(
             float(begin.x), float(begin.y), float(begin.heading),
             0.0 if motion is None else motion.speed, 0.0, float(begin.curvature),
         )  # fmt: skip
-        part: ControlPart = law.tracking_part(road, start, 0.0)
-        self.plan, self.length = plan, curve.length
-        self._like = part.memory
+        part: ControlPart = law.tracking_part(road, start, progress)
+        if isinstance(law, ExternalTracker):
+            raise InvalidInput(
+                "law", type(law).__name__, "decides in Python itself; call its decider"
+            )
+        self.plan, self.length, self.table = plan, curve.length, table
+        self._like: Any = part.memory
         shape = {"LIKE": _zeros(part.memory), "LIKE_PARAMETERS": _zeros(part.parameters)}
         template = "osculate.control.templates.stepper"
         self._engine = compose(template, {"track": part.control, "LANES": 1, **shape})
         self._memory = _column(part.memory)
         self._parameters = _column(part.parameters)
-        self._tables = tables.array
+        self.tables = tables.array
         self._motion = np.zeros((len(Motion._fields), 1))
         self._out = np.zeros((len(Command._fields), 1))
 
@@ -79,15 +86,20 @@ class Stepper:
         """The command for the motion measured now; to be called once a period."""
         self._motion[:, 0] = motion
         self._engine.step_block(
-            self._memory, self._parameters, self._motion, self._out, self._tables
+            self._memory, self._parameters, self._motion, self._out, self.tables
         )
         return Command(*self._out[:, 0].tolist())
 
     @property
+    def memory(self) -> TrackingMemory:
+        """What the law remembers after the last step."""
+        memory: TrackingMemory = rebuild(self._like, iter(self._memory[:, 0].tolist()))
+        return memory
+
+    @property
     def progress(self) -> float:
         """Arc length (m) of the curve's point nearest to the last motion."""
-        memory: Any = rebuild(self._like, iter(self._memory[:, 0].tolist()))
-        return float(memory.progress)
+        return float(self.memory.progress)
 
     @property
     def finished(self) -> bool:

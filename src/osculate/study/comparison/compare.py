@@ -15,6 +15,7 @@ from osculate.control.tracking import TRACKERS, PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
+from osculate.plant import Mujoco
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.simulation.variables import ROW
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
@@ -189,7 +190,7 @@ def compare(
                 "duration": PATIENCE * longest + 5.0,
             }
             own = Sampled(**ticks)
-            if isinstance(law, ExternalTracker):
+            if isinstance(law, ExternalTracker) or isinstance(state.plant, Mujoco):
                 for c, v, s in grid:
                     run = simulate(
                         paths[c], body, limits=allowed[v], initial=begins[s], plant=state.plant,

@@ -5,9 +5,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar
 
+from pydantic import Field
+
 from osculate.curve import Chain, Curve, CurveFile, Cycloid, Parametric, Segment, Spline
 from osculate.errors import InvalidInput
-from osculate.plant import Actuated
+from osculate.plant import Actuated, Mujoco
 from osculate.simulation import InitialState
 from osculate.spec import Spec, quantity
 
@@ -17,7 +19,7 @@ T = TypeVar("T")
 class Condition(Spec):
     """How the robot differs from what its law believes."""
 
-    plant: Actuated = Actuated()
+    plant: Actuated | Mujoco = Field(default=Actuated(), discriminator="kind")
     unknown_delay: float = quantity("s", "delay that the law does not know", default=0.0, ge=0)
 
 
@@ -28,6 +30,7 @@ CONDITIONS = {
     "late": Condition(unknown_delay=0.04),
     "payload": Condition(plant=Actuated(payload=5.0)),
     "worn-wheels": Condition(plant=Actuated(wheel_wear=0.02)),
+    "mujoco": Condition(plant=Mujoco()),
     "bent-steering": Condition(plant=Actuated(steering_offset=math.radians(1.0))),
 }
 

@@ -1,0 +1,177 @@
+"""The robot in MuJoCo: an MJCF model made from a vehicle's parameters.
+
+Bodies, masses and inertias are those of the reduced model; wheels are spheres that touch the floor in
+one point each and roll by friction, so that the no-slip constraints are not assumed but result. The
+steering servo is a position actuator on a joint with armature, the motors act through the same lag.
+"""
+
+from importlib import import_module
+from typing import Any, Literal
+
+import numpy as np
+
+from osculate.control.contract import Start
+from osculate.errors import MissingExtra
+from osculate.plant.contract import Plant, PlantPart
+from osculate.spec import quantity
+from osculate.vehicle.motion import Command, Motion
+from osculate.vehicle.tricycle import Tricycle
+
+ARMATURE = 0.1  # kg m², of the steering joint: far above what turns with the wheel
+
+
+class Mujoco(Plant):
+    """The robot simulated by MuJoCo (extra ``mujoco``), one run at a time."""
+
+    kind: Literal["mujoco"] = "mujoco"
+    friction: float = quantity("1", "friction of tyres on the floor", default=1.0, gt=0)
+    softness: float = quantity(
+        "s", "time constant of the contacts; two steps or more", default=0.002, gt=0
+    )
+    payload: float = quantity(
+        "kg", "load on the body's centre that no law knows", default=0.0, ge=0
+    )
+
+    def part(self, robot: Tricycle, start: Start) -> PlantPart:
+        """A MuJoCo plant has no kernel: see `MujocoRobot`."""
+        raise NotImplementedError
+
+    def robot(self, robot: Tricycle, start: Start, step: float) -> "MujocoRobot":
+        """The robot standing at its start.
+
+        Raises:
+            MissingExtra: MuJoCo is not installed.
+        """
+        return MujocoRobot(self, robot, start, step)
+
+
+class MujocoRobot:
+    """One robot in MuJoCo.
+
+    Attributes:
+        model: The compiled ``mujoco.MjModel``.
+        data: Its ``mujoco.MjData``.
+    """
+
+    def __init__(self, plant: Mujoco, robot: Tricycle, start: Start, step: float) -> None:
+        try:
+            self._mujoco: Any = import_module("mujoco")
+        except ImportError:
+            raise MissingExtra("mujoco", "mujoco") from None
+        self.model = self._mujoco.MjModel.from_xml_string(mjcf(robot, plant, step))
+        self.data = self._mujoco.MjData(self.model)
+        self._rate = robot.actuators.steering_rate_limit * step
+        self._slewed = float(np.arctan(robot.wheelbase * start.curvature))
+        self._steering = int(self.model.joint("steering").qposadr[0])
+        half = 0.5 * start.heading
+        self.data.qpos[:7] = [
+            start.x,
+            start.y,
+            robot.wheel_radius,
+            np.cos(half),
+            0,
+            0,
+            np.sin(half),
+        ]
+        self.data.qpos[self._steering] = self._slewed
+        self.data.qvel[:2] = (
+            start.speed * np.cos(start.heading),
+            start.speed * np.sin(start.heading),
+        )
+        yaw_rate, side = start.speed * start.curvature, robot.track_width / 2.0
+        self.data.qvel[5] = yaw_rate
+        for name, speed in (
+            ("left", start.speed - side * yaw_rate),
+            ("right", start.speed + side * yaw_rate),
+            ("front", start.speed / np.cos(self._slewed)),
+        ):
+            self.data.qvel[int(self.model.joint(name).dofadr[0])] = speed / robot.wheel_radius
+        self._mujoco.mj_forward(self.model, self.data)
+
+    def measure(self) -> Motion:
+        """Pose and speeds of O, and the steering angle."""
+        q, v = self.data.qpos, self.data.qvel
+        heading = 2.0 * float(np.arctan2(q[6], q[3]))
+        speed = float(v[0] * np.cos(heading) + v[1] * np.sin(heading))
+        return Motion(
+            float(q[0]), float(q[1]), heading, speed, float(v[5]), float(q[self._steering])
+        )
+
+    @property
+    def lateral_speed(self) -> float:
+        """Speed (m/s) of O across the heading: slip, left is positive."""
+        motion = self.measure()
+        v = self.data.qvel
+        return float(v[1] * np.cos(motion.heading) - v[0] * np.sin(motion.heading))
+
+    @property
+    def tipped(self) -> bool:
+        """Whether the robot has fallen on its side: its own z axis points down."""
+        _, x, y, _ = self.data.qpos[3:7]
+        return bool(1.0 - 2.0 * (x * x + y * y) < 0.5)
+
+    def step(self, command: Command) -> None:
+        """One time step under a command; the steering command moves no faster than the servo may."""
+        change = np.clip(command.steering_angle - self._slewed, -self._rate, self._rate)
+        self._slewed += float(change)
+        self.data.ctrl[:] = self._slewed, command.torque_left, command.torque_right
+        self._mujoco.mj_step(self.model, self.data)
+
+
+def mjcf(robot: Tricycle, plant: Mujoco, step: float) -> str:
+    """The robot as an MJCF document (SI units, radians)."""
+    act, r, a = robot.actuators, robot.wheel_radius, robot.wheelbase
+    rolling = 0.5 * act.rolling_resistance * robot.weight * r
+    mass = robot.body_mass + plant.payload
+    turn, height = robot.body_inertia, robot.centre_height - r
+    wheel = (
+        f'<inertial pos="0 0 0" mass="{robot.wheel_mass}" '
+        f'diaginertia="{robot.wheel_yaw_inertia} {robot.wheel_inertia} {robot.wheel_yaw_inertia}"/>'
+        f'<geom type="sphere" size="{r}"/>'
+    )
+    side = robot.track_width / 2.0
+    drives = "".join(
+        f'<body name="{name}" pos="0 {y} 0"><joint name="{name}" axis="0 1 0" '
+        f'frictionloss="{rolling}"/>{wheel}</body>'
+        for name, y in (("left", side), ("right", -side))
+    )
+    gain = ARMATURE * act.steering_frequency**2
+    damping = 2.0 * act.steering_damping * act.steering_frequency * ARMATURE
+    limit = act.steering_angle_limit
+    motors = "".join(
+        f'<general name="{name}" joint="{name}" dyntype="filterexact" dynprm="{act.motor_lag}" '
+        f'gainprm="1" ctrllimited="true" ctrlrange="{-act.torque_limit} {act.torque_limit}"/>'
+        for name in ("left", "right")
+    )
+    return f"""
+<mujoco model="osculate">
+  <compiler angle="radian"/>
+  <option timestep="{step}" integrator="implicitfast" cone="elliptic" impratio="10" solver="Newton"
+          gravity="0 0 {-robot.gravity}"/>
+  <default>
+    <geom condim="3" friction="{plant.friction} 0.005 0.0001" solref="{plant.softness} 1"
+          solimp="0.95 0.99 0.001" rgba="0.12 0.14 0.18 1"/>
+  </default>
+  <worldbody>
+    <light pos="0 0 6" dir="0 0 -1" directional="true"/>
+    <geom name="floor" type="plane" size="200 200 1" rgba="0.93 0.94 0.96 1"/>
+    <body name="base" pos="0 0 {r}">
+      <freejoint name="base"/>
+      <inertial pos="{a / 2} 0 {height}" mass="{mass}" diaginertia="{turn} {turn} {turn}"/>
+      <geom type="box" pos="{a / 2} 0 {max(height, 0.0)}" size="{a / 2 + r} {side * 0.8} {r / 3}"
+            contype="0" conaffinity="0" rgba="0.12 0.37 0.66 0.8"/>
+      {drives}
+      <body name="fork" pos="{a} 0 0">
+        <joint name="steering" axis="0 0 1" armature="{ARMATURE}"/>
+        <inertial pos="0 0 0" mass="0.001" diaginertia="1e-6 1e-6 1e-6"/>
+        <body name="front"><joint name="front" axis="0 1 0"/>{wheel}</body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="steering" joint="steering" kp="{gain}" kv="{damping}" ctrllimited="true"
+              ctrlrange="{-limit} {limit}"/>
+    {motors}
+  </actuator>
+</mujoco>
+"""
