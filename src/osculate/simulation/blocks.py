@@ -11,6 +11,7 @@ from osculate.simulation.loop import Loop, blank_row, size
 from osculate.simulation.records import Progress, Row
 
 CHUNK = 2048  # steps between two reports of progress
+FIRST_BYTES = 64_000_000  # of a record, before it grows
 
 Report = Callable[[float], None]
 
@@ -45,10 +46,11 @@ def run_block(
     likes = (loop.initial, loop.parameters, row)
     runs = np.array(runs)
     rows = 0 if every == 0 else (clock.steps + every - 1) // every
-    record = np.empty((rows, size(row), lanes))
+    record = np.empty((min(rows, FIRST_BYTES // (8 * size(row) * lanes)), size(row), lanes))
     made = filled = 0
     while made < clock.steps:
         steps = min(CHUNK, clock.steps - made)
+        record = _roomy(record, filled, min(rows, filled + steps))
         done = engine.run_block(
             *likes, runs, parameters, loop.tables, made, steps,
             clock.step, clock.substeps, max(every, 1), record[filled:],
@@ -62,6 +64,15 @@ def run_block(
     last = np.empty((size(row), lanes))
     engine.land_block(*likes, runs, parameters, loop.tables, clock.step, clock.substeps, last)
     return Finished(runs, record[:filled], last)
+
+
+def _roomy(record: NDArray[np.float64], filled: int, needed: int) -> NDArray[np.float64]:
+    """The record with room for ``needed`` rows: long durations cost memory only when they are driven."""
+    if needed <= len(record):
+        return record
+    larger = np.empty((max(needed, 2 * len(record)), *record.shape[1:]))
+    larger[:filled] = record[:filled]
+    return larger
 
 
 def final_run(loop: Loop, runs: NDArray[np.float64]) -> Progress:

@@ -23,8 +23,9 @@ from osculate.curve import AnyCurve, Cycloid
 from osculate.errors import InvalidInput
 from osculate.plant import Actuated, AnyPlant, Disturbance, Mujoco, Reduced
 from osculate.scene import Scene, Wall
-from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
+from osculate.simulation import AnyClock, Continuous, InitialState, Run, simulate
 from osculate.simulation.blocks import Report
+from osculate.simulation.run import TRACKER_WORLD
 from osculate.spec import Spec
 from osculate.target import AnyTarget, Limits, Modified
 from osculate.vehicle import Tricycle, vehicle_named
@@ -76,8 +77,7 @@ class Scenario(Spec):
         kind = law.get("kind") if isinstance(law, Mapping) else getattr(law, "kind", None)
         if not isinstance(law, PathTracker) and kind in (None, "curvature"):
             return fields
-        clock = Sampled(period=0.01, delay=0.01, duration=600.0)
-        return {"plant": Actuated(), "clock": clock, **fields}
+        return {**TRACKER_WORLD, **fields}
 
     @classmethod
     def load(cls, source: str | Path) -> "Scenario":

@@ -213,6 +213,13 @@ def test_what_does_not_fit_is_explained(parts, error, message):
         drive(CURVES["corner"], **parts)
 
 
+def test_by_default_a_tracker_drives_the_actuated_robot():
+    run = simulate(CURVES["corner"], controller=CurvatureTracker())
+    assert run.setup.plant == Actuated()
+    assert run.setup.clock.delay == 0.01
+    assert run.metrics.ended == "path end"
+
+
 def test_a_stepper_needs_whole_periods():
     with pytest.raises(InvalidInput, match="must be a multiple of period"):
         Stepper(CurvatureTracker(), Cycloid.over(), delay=0.015)
