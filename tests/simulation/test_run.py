@@ -28,6 +28,7 @@ from osculate import (
     Wall,
     YawRegulator,
     simulate,
+    simulate_batch,
 )
 
 CURVE = Cycloid.over()
@@ -125,6 +126,24 @@ def test_a_timetable_ends_when_it_is_complete():
     assert run.metrics.ended == "path end"
     assert run.message.startswith("completed its timetable at t = 5.259 s")
     assert run.metrics.duration == pytest.approx(2 * math.pi - 2 * CURVE.truncation, abs=1e-12)
+
+
+def test_a_run_that_ends_where_a_chunk_of_steps_ends_is_left_alone():
+    """The engine is called chunk by chunk; a finished run must not be taken up again."""
+    from osculate.simulation.blocks import CHUNK
+
+    duration = 2 * math.pi - 2 * CURVE.truncation
+    parts = {
+        "target": Static(profile=Natural()),
+        "clock": Continuous(step=duration / CHUNK, duration=2 * duration),
+    }
+    run = simulate(CURVE, **parts)
+    assert run.metrics.ended == "path end"
+    assert run.columns["time"][-1] == pytest.approx(duration)
+    assert len(run.columns["time"]) == CHUNK + 1
+    batch = simulate_batch(CURVE, runs=2, **parts)
+    assert run.metrics.torque_travel == batch.metrics.torque_travel[1]
+    assert run.metrics.cross_track_rms == batch.metrics.cross_track_rms[1]
 
 
 def test_a_profile_of_the_users_own():

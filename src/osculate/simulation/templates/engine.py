@@ -172,6 +172,9 @@ def run_block(
     filled = 0
     made = 0
     while made < steps:
+        # a single run is looked at before every step, many of them now and then: see `advance`
+        if made % LANES == 0 and not any_running(like, block):
+            break
         step = start + made
         age = step % substeps
         if SAMPLED and age == 0:
@@ -200,8 +203,6 @@ def run_block(
             copy(rows, record[filled])
             filled += 1
         made += 1
-        if made % LANES == 0 and not any_running(like, block):
-            break
     copy(block, runs)
     return made
 
