@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control import Controller, ControlPart, CurvatureLaw, Errors, Start
-from osculate.control.tracking import PathTracker, Road
+from osculate.control.tracking import PathTracker
+from osculate.control.tracking.contract import survey
 from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.curve import Curve, CurveTable, Pose, tabulate
 from osculate.curve.approach import plan_approach
@@ -30,14 +31,11 @@ from osculate.simulation.records import (
 )
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
-from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory, plan_speed
-from osculate.target.speed import require_valid
+from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
 from osculate.vehicle import Command, Motion, Tricycle
 
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
-FINEST_TABLE = 0.02  # m, longest cell of a tracked curve
-BEYOND = 2.0  # m, how far a tracked curve is known beyond its ends
 TEMPLATES = "osculate.simulation.templates"
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
@@ -186,17 +184,11 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         raise InvalidInput(
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
         )
-    require_valid(setup.limits)
     setup = with_approach(setup)
     curve = setup.curve
-    cells = max(CELLS, math.ceil(curve.length / FINEST_TABLE))
-    beyond = BEYOND + 2.0 * robot.wheelbase
-    table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
-    task = (curve, robot, setup.limits)
-    plan = tables.once(task, lambda: plan_speed(*task))
-    profile = tables.once((*task, "profile"), lambda: plan.table(tables))
+    delay = round(clock.delay / clock.period)
+    road, plan = survey(curve, robot, setup.limits, clock.period, delay, tables)
     start = setup.initial.on(curve)
-    road = Road(robot, table, profile, clock.period, round(clock.delay / clock.period))
     control = law.tracking_part(road, start, setup.initial.arc_length)
     parts = {
         "pace": Nothing(),
@@ -205,7 +197,9 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "path_end": curve.length,
         "deadline": math.inf,
     }
-    loop = _assemble(setup, table, start, control, parts, {"track": control.control}, tables, plan)
+    loop = _assemble(
+        setup, road.curve, start, control, parts, {"track": control.control}, tables, plan
+    )
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop

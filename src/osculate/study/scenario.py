@@ -9,16 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator, model_validator
 
 from osculate.control import CurvatureLaw
-from osculate.control.tracking import (
-    CurvatureTracker,
-    FeedforwardLqr,
-    Kanayama,
-    Nmpc,
-    PathTracker,
-    PreviewLqr,
-    PurePursuit,
-    Stanley,
-)
+from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.errors import InvalidInput
 from osculate.plant import Actuated, AnyPlant, Disturbance, Mujoco, Reduced
@@ -30,17 +21,7 @@ from osculate.spec import Spec
 from osculate.target import AnyTarget, Limits, Modified
 from osculate.vehicle import Tricycle, vehicle_named
 
-AnyController = Annotated[
-    CurvatureLaw
-    | CurvatureTracker
-    | PurePursuit
-    | Stanley
-    | Kanayama
-    | FeedforwardLqr
-    | PreviewLqr
-    | Nmpc,
-    Field(discriminator="kind"),
-]
+AnyController = Annotated[CurvatureLaw | AnyTracker, Field(discriminator="kind")]
 
 
 class Scenario(Spec):

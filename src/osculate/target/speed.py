@@ -111,9 +111,14 @@ def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> S
         limits: What the task allows.
 
     Raises:
+        InvalidInput: The slowest speed is above the largest.
         NoSolution: The robot cannot follow the curve at any speed (says the limit and the place).
     """
     limits = limits or Limits()
+    if limits.creep > limits.speed:
+        raise InvalidInput(
+            "limits.creep", limits.creep, f"must be at most speed = {limits.speed:g} m/s"
+        )
     problem = _problem(curve, robot, limits)
     energy = _first_guess(problem, limits)
     for _ in range(ITERATIONS):
@@ -280,15 +285,3 @@ def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) 
         most = int(column.argmax())
         chosen.append("creep" if value <= 1.001 * problem.low else names[most])
     return chosen
-
-
-def require_valid(limits: Limits) -> None:
-    """Refuse limits that contradict each other.
-
-    Raises:
-        InvalidInput: The slowest speed is above the largest.
-    """
-    if limits.creep > limits.speed:
-        raise InvalidInput(
-            "limits.creep", limits.creep, f"must be at most speed = {limits.speed:g} m/s"
-        )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.tracking.contract import View, foot_of
+from osculate.control.tracking.contract import FREE, View, foot_of
 from osculate.control.tracking.curvature_tracker import (
     LEAST,
     ExactParameters,
@@ -75,7 +75,7 @@ def caution(
     bound = sqrt(p.lateral / (bend if bend > 1e-6 else 1e-6))
     turning = abs(rate)
     slower = speed * p.steering_rate / (turning if turning > p.steering_rate else p.steering_rate)
-    slower = slower if turning > p.steering_rate else 1e3
+    slower = slower if turning > p.steering_rate else FREE
     late = abs(now.steering_angle - angle) - 0.1
     reach = 0.25 * length * p.steering_rate / (late if late > 1e-3 else 1e-3)
     bound = bound if bound < slower else slower

@@ -1,9 +1,5 @@
 """Laws that know the pose: the curvature tracker, and what people use today to compare it with."""
 
-from typing import Annotated
-
-from pydantic import Field
-
 from osculate.control.tracking.baselines import (
     FeedforwardLqr,
     Kanayama,
@@ -17,20 +13,17 @@ from osculate.control.tracking.nmpc import Nmpc
 from osculate.control.tracking.speed_loop import SpeedLoop
 from osculate.control.tracking.stepper import Stepper
 
-AnyTracker = Annotated[
-    CurvatureTracker | PurePursuit | Stanley | Kanayama | FeedforwardLqr | PreviewLqr | Nmpc,
-    Field(discriminator="kind"),
-]
+AnyTracker = (
+    CurvatureTracker | PreviewLqr | FeedforwardLqr | PurePursuit | Kanayama | Stanley | Nmpc
+)
 
 #: All compiled trackers by name, with their defaults.
 TRACKERS: dict[str, PathTracker] = {
-    "curvature-tracker": CurvatureTracker(),
-    "lqr-preview": PreviewLqr(),
-    "lqr": FeedforwardLqr(),
-    "pure-pursuit": PurePursuit(),
-    "kanayama": Kanayama(),
-    "stanley": Stanley(),
-}
+    law.kind: law
+    for law in (
+        CurvatureTracker(), PreviewLqr(), FeedforwardLqr(), PurePursuit(), Kanayama(), Stanley(),
+    )
+}  # fmt: skip
 
 __all__ = [
     "TRACKERS",

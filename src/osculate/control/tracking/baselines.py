@@ -11,14 +11,12 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.tracking.contract import PathTracker, Road, SteerPart, View
+from osculate.control.tracking.contract import FREE, PathTracker, Road, SteerPart, View
 from osculate.control.tracking.curvature_tracker import demand_linearly, exact_part
 from osculate.curve.table import CurveTable, point_at
 from osculate.kernel import Nothing, kernel
 from osculate.kernel.maths import atan, sincos, wrap_angle
 from osculate.spec import quantity
-
-FREE = 1e3  # m/s, no bound on the speed
 
 
 class PursuitParameters(NamedTuple):
@@ -233,10 +231,6 @@ class PreviewLqr(PathTracker):
     aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=3380.0, gt=0)
     heading_weight: float = quantity("1/rad²", "weight of the heading error", default=10.3, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)
-    tightness: float = quantity(
-        "1", "see `CurvatureTracker`; here for the caution only", default=1.0
-    )
-    approach_angle: float = quantity("rad", "unused by a linear law", default=0.7853981633974483)
     lateral_acceleration: float = quantity(
         "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0
     )
@@ -245,4 +239,10 @@ class PreviewLqr(PathTracker):
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
         gains = double_integrator_gains(self.aside_weight, self.heading_weight, self.effort_weight)
-        return exact_part(self, road, demand_linearly, gains)
+        return exact_part(
+            road,
+            demand_linearly,
+            horizon=self.horizon,
+            lateral=self.lateral_acceleration,
+            linear=gains,
+        )

@@ -9,6 +9,7 @@ comparison compares steering laws. Progress along the curve is memory, moved by 
 by a projection that starts where the robot was: nothing searches, a curve that crosses itself is fine.
 """
 
+import math
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -18,15 +19,20 @@ from numpy.typing import NDArray
 
 from osculate.control.contract import Controller, ControlPart, Start
 from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
-from osculate.curve.table import CurveTable, point_at
+from osculate.curve.contract import Curve
+from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
 from osculate.kernel import Grid, Tables, compose, kernel
 from osculate.kernel.maths import sincos, wrap_angle
 from osculate.target.contract import TargetPart
+from osculate.target.speed import Limits, SpeedPlan, plan_speed
 from osculate.vehicle.actuators import ServoStep, Steering
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Motion
 from osculate.vehicle.tricycle import Tricycle
 
+FINEST = 0.02  # m, longest cell of a tracked curve
+BEYOND = 2.0  # m, how far a tracked curve is known beyond its ends
+FREE = 1e3  # m/s, no bound on the speed
 NEAREST = 0.2  # 1 − κ y is kept above this: nearer to the centre of curvature nothing is unique
 
 
@@ -111,6 +117,24 @@ class Road:
     profile: Grid
     period: float  # s
     delay: int  # periods between a decision and its effect
+
+
+def survey(
+    curve: Curve, robot: Tricycle, limits: Limits, period: float, delay: int, tables: Tables
+) -> tuple[Road, SpeedPlan]:
+    """Plan the speed and tabulate curve and plan; what is in ``tables`` already is shared.
+
+    Raises:
+        InvalidInput: Limits that contradict each other.
+        NoSolution: The robot cannot follow the curve.
+    """
+    task = (curve, robot, limits)
+    plan = tables.once(task, lambda: plan_speed(*task))
+    profile = tables.once((*task, "profile"), lambda: plan.table(tables))
+    cells = max(CELLS, math.ceil(curve.length / FINEST))
+    beyond = BEYOND + 2.0 * robot.wheelbase
+    table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
+    return Road(robot, table, profile, period, delay), plan
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ the pose at which the decision will act (`look_ahead`), and the command is the o
 to the angle and rate wanted after 2h.
 """
 
+import math
 from math import sqrt
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -118,13 +119,35 @@ class CurvatureTracker(PathTracker):
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
-        return exact_part(self, road, demand_exactly, (0.0, 0.0))
+        return exact_part(
+            road, demand_exactly, horizon=self.horizon, tightness=self.tightness,
+            approach_angle=self.approach_angle, lateral=self.lateral_acceleration,
+        )  # fmt: skip
 
 
-def exact_part(law: Any, road: Road, demand: Any, linear: tuple[float, float]) -> SteerPart:
-    """The steering law with one of the two demands; ``linear`` are gains of y and e."""
+def exact_part(
+    road: Road,
+    demand: Any,
+    *,
+    horizon: float,
+    lateral: float,
+    tightness: float = 1.0,
+    approach_angle: float = math.pi / 4.0,
+    linear: tuple[float, float] = (0.0, 0.0),
+) -> SteerPart:
+    """The steering law with one of the two demands.
+
+    Args:
+        road: What it is made for.
+        demand: Kernel of the demand.
+        horizon: h, half of the servo's inversion (s).
+        lateral: Largest lateral acceleration that the law may cause (m/s²).
+        tightness: See `CurvatureTracker`; a linear demand uses it for its caution only.
+        approach_angle: Steepest approach (rad), of the exact demand.
+        linear: Gains of y (1/m²) and e (1/m), of the linear demand.
+    """
     robot, act = road.robot, road.robot.actuators
-    horizon = max(law.horizon, road.period)
+    horizon = max(horizon, road.period)
     gains = act.deadbeat(horizon)
     lag = 2.0 * act.steering_damping / act.steering_frequency + (road.delay + 0.5) * road.period
     tipping = 0.9 * robot.tipping_acceleration
@@ -135,10 +158,10 @@ def exact_part(law: Any, road: Road, demand: Any, linear: tuple[float, float]) -
         robot.wheelbase,
         horizon,
         *gains,
-        shortest=0.4 * robot.wheelbase / law.tightness,
-        time=0.8 * lag / law.tightness,
-        slope=float(np.tan(law.approach_angle)),
-        lateral=min(law.lateral_acceleration, tipping),
+        shortest=0.4 * robot.wheelbase / tightness,
+        time=0.8 * lag / tightness,
+        slope=float(np.tan(approach_angle)),
+        lateral=min(lateral, tipping),
         steering_rate=0.85 * act.steering_rate_limit,
         aside_gain=linear[0],
         heading_gain=linear[1],

@@ -12,7 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.tracking.contract import PathTracker, Road, SteerPart, TrackingMemory, View
+from osculate.control.tracking.contract import (
+    FREE,
+    PathTracker,
+    Road,
+    SteerPart,
+    TrackingMemory,
+    View,
+)
 from osculate.curve.contract import Curve
 from osculate.curve.table import CurveTable
 from osculate.kernel import Nothing, kernel
@@ -33,7 +40,7 @@ def steer_given(
     view: View, memory: GivenSteering, p: Nothing, curve: CurveTable, tables: NDArray[np.float64]
 ) -> Any:
     """What was put into the memory."""
-    return memory.steering_angle, 1e3, memory
+    return memory.steering_angle, FREE, memory
 
 
 class ExternalTracker(PathTracker):

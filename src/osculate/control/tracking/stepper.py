@@ -9,17 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import ControlPart, Start
-from osculate.control.tracking.contract import PathTracker, Road, TrackingMemory
+from osculate.control.tracking.contract import PathTracker, TrackingMemory, survey
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
-from osculate.curve.table import CELLS, tabulate
 from osculate.errors import InvalidInput
 from osculate.kernel import Tables, compose, leaves, rebuild
-from osculate.target.speed import Limits, plan_speed
+from osculate.target.speed import Limits
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Tricycle
-
-BEYOND = 2.0  # m, how far the curve is known beyond its ends
 
 
 class Stepper:
@@ -57,21 +54,21 @@ class Stepper:
         slots = round(delay / period)
         if delay < 0 or abs(slots * period - delay) > 1e-9:
             raise InvalidInput("delay", delay, f"must be a multiple of period = {period:g} s")
-        body, tables = robot or Tricycle(), Tables()
-        plan = plan_speed(curve, body, limits)
-        table = tabulate(curve, tables, CELLS, BEYOND + 2.0 * body.wheelbase)
-        road = Road(body, table, plan.table(tables), period, slots)
+        if isinstance(law, ExternalTracker):
+            raise InvalidInput(
+                "law", type(law).__name__, "decides in Python itself; call its decider"
+            )
+        tables = Tables()
+        road, self.plan = survey(
+            curve, robot or Tricycle(), limits or Limits(), period, slots, tables
+        )
         begin = curve.at(progress)
         start = Start(
             float(begin.x), float(begin.y), float(begin.heading),
             0.0 if motion is None else motion.speed, 0.0, float(begin.curvature),
         )  # fmt: skip
         part: ControlPart = law.tracking_part(road, start, progress)
-        if isinstance(law, ExternalTracker):
-            raise InvalidInput(
-                "law", type(law).__name__, "decides in Python itself; call its decider"
-            )
-        self.plan, self.length, self.table = plan, curve.length, table
+        self.length, self.table = curve.length, road.curve
         self._like: Any = part.memory
         shape = {"LIKE": _zeros(part.memory), "LIKE_PARAMETERS": _zeros(part.parameters)}
         template = "osculate.control.templates.stepper"
