@@ -4,6 +4,11 @@ An error names the field, the value it had and what would be valid, so that the 
 to change without opening the source.
 """
 
+from collections.abc import Mapping
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 class OsculateError(Exception):
     """Base of all errors raised by osculate."""
@@ -31,6 +36,17 @@ class InvalidScenario(OsculateError, ValueError):
     def __init__(self, problems: list[InvalidInput]) -> None:
         super().__init__("\n".join(str(problem) for problem in problems))
         self.problems = problems
+
+
+def choose(field: str, name: str, known: Mapping[str, T]) -> T:
+    """What ``name`` stands for among ``known``.
+
+    Raises:
+        InvalidInput: Unknown; lists the names.
+    """
+    if name not in known:
+        raise InvalidInput(field, name, f"must be one of {', '.join(known)}")
+    return known[name]
 
 
 class NoSolution(OsculateError, ValueError):

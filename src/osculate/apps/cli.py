@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from osculate.errors import OsculateError
+from osculate.errors import InvalidInput, OsculateError, choose
 
 if TYPE_CHECKING:
     from osculate.simulation import Run
@@ -141,14 +141,7 @@ def curve(
 
     chosen, body = load_curve(source, scale, tolerance), vehicle_named(robot)
     report = inspect_curve(chosen, body, speed)
-    table = Table(
-        title=source, title_justify="left", title_style="bold", show_header=False, box=None
-    )
-    table.add_column(style="dim")
-    table.add_column(justify="right")
-    for label, value in report.rows():
-        table.add_row(label, value)
-    out.print(table)
+    _print_rows(source, report.rows())
     out.print(report.verdict, style="none" if report.feasible else "bold red")
     if output:
         out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
@@ -178,7 +171,6 @@ def compare(
 ) -> None:
     """Compare controllers on curves, speeds, starts and plants."""
     from osculate.control.tracking import TRACKERS, Nmpc
-    from osculate.errors import InvalidInput
     from osculate.study.comparison import compare as run_comparison
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import starts as known_starts
@@ -187,12 +179,10 @@ def compare(
     from osculate.vehicle import vehicle_named
 
     laws: dict[str, Any] = {**TRACKERS, "nmpc": Nmpc()}
-    for name in _names(controllers):
-        if name not in laws:
-            raise InvalidInput("controller", name, f"must be one of {', '.join(laws)}")
+    chosen = {n: choose("controller", n, laws) for n in _names(controllers) or TRACKERS}
     with progress("comparing") as report:
         result = run_comparison(
-            {name: laws[name] for name in _names(controllers) or TRACKERS},
+            chosen,
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts)),
@@ -227,17 +217,15 @@ def tune(
 ) -> None:
     """Tune a controller on training curves by CMA-ES."""
     from osculate.control.tracking import TRACKERS
-    from osculate.errors import InvalidInput
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import tune as run_tuning
     from osculate.vehicle import vehicle_named
 
-    if controller not in TRACKERS:
-        raise InvalidInput("controller", controller, f"must be one of {', '.join(TRACKERS)}")
+    law = choose("controller", controller, TRACKERS)
     training = known_curves(_names(curves), scale) if curves else None
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
-            TRACKERS[controller], training, robot=vehicle_named(robot), generations=generations,
+            law, training, robot=vehicle_named(robot), generations=generations,
             population=population, seed=seed, report=report,
         )  # fmt: skip
     for name in result.controller.tunable:
@@ -273,8 +261,6 @@ def _names(text: str) -> list[str]:
 
 
 def _numbers(field: str, text: str) -> list[float]:
-    from osculate.errors import InvalidInput
-
     try:
         values = [float(part) for part in _names(text)]
     except ValueError:
@@ -310,17 +296,21 @@ def progress(what: str) -> Iterator[Callable[[float], None]]:
         yield report
 
 
-def _print_metrics(result: "Run", title: str) -> None:
-    from osculate.study.report import metric_rows
-
+def _print_rows(title: str, rows: list[tuple[str, str]]) -> None:
     table = Table(
         title=title, title_justify="left", title_style="bold", show_header=False, box=None
     )
     table.add_column(style="dim")
     table.add_column(justify="right")
-    for label, value in metric_rows(result.metrics):
+    for label, value in rows:
         table.add_row(label, value)
     out.print(table)
+
+
+def _print_metrics(result: "Run", title: str) -> None:
+    from osculate.study.report import metric_rows
+
+    _print_rows(title, metric_rows(result.metrics))
     style: Any = "bold red" if result.diverged else "none"
     out.print(f"The run {result.message}.", style=style)
 

@@ -6,6 +6,7 @@ curvature. The shortest one that the robot can steer is taken.
 """
 
 import itertools
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from osculate.curve.arclength import ArcLength
 from osculate.curve.composite import Composite, Part
 from osculate.curve.contract import Curve
 from osculate.curve.segments import Pose
-from osculate.curve.spline import DEGREE, Points, Sampled
+from osculate.curve.spline import DEGREE, Points, Sampled, along
 from osculate.errors import NoSolution
 from osculate.spec import quantity
 
@@ -42,14 +43,8 @@ class Approach(Sampled):
         "rad, 1/m", "heading and curvature at both ends"
     )
 
-    @property
+    @cached_property
     def _arc(self) -> ArcLength:
-        if "arc" not in self.__dict__:
-            self.__dict__["arc"] = self._make()
-        arc: ArcLength = self.__dict__["arc"]
-        return arc
-
-    def _make(self) -> ArcLength:
         from scipy.interpolate import make_interp_spline
 
         points = np.array(self.points)
@@ -61,10 +56,7 @@ class Approach(Sampled):
             ]
             for heading, curvature in self.ends
         )
-        spline = make_interp_spline(u, points, k=DEGREE, bc_type=conditions)
-        derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
-        knots = np.unique(spline.t[DEGREE : len(spline.t) - DEGREE])
-        return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), knots)
+        return along(make_interp_spline(u, points, k=DEGREE, bc_type=conditions), 1024)
 
 
 def plan_approach(

@@ -39,6 +39,13 @@ class Sampled(Curve):
         return self._arc.at(arc_length)
 
 
+def along(spline: Any, panels: int) -> ArcLength:
+    """A SciPy spline with values in the plane, by arc length, smooth between its knots."""
+    derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
+    knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
+    return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), knots, panels)
+
+
 class Spline(Sampled):
     """A quintic spline through waypoints, or near them if a tolerance is given.
 
@@ -152,10 +159,7 @@ class Spline(Sampled):
 
     @cached_property
     def _arc(self) -> ArcLength:
-        spline = self._spline
-        derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
-        breaks = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-        return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), breaks, 2048)
+        return along(self._spline, 2048)
 
     @cached_property
     def deviation(self) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from pydantic import Field, field_validator, model_validator
 from osculate.control import CurvatureLaw
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, choose
 from osculate.plant import Actuated, AnyPlant, Disturbance, Mujoco, Reduced
 from osculate.scene import Scene, Wall
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, simulate
@@ -78,10 +78,9 @@ class Scenario(Spec):
             InvalidInput: No such plant.
         """
         plants: dict[str, AnyPlant] = {"actuated": Actuated(), "mujoco": Mujoco()}
-        if plant not in plants:
-            raise InvalidInput("plant", plant, f"must be one of {', '.join(plants)}")
+        chosen = choose("plant", plant, plants)
         fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return Scenario(**{**fields, "plant": plants[plant]})
+        return Scenario(**{**fields, "plant": chosen})
 
     @cached_property
     def parts(self) -> dict[str, Any]:

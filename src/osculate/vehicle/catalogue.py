@@ -4,7 +4,7 @@ The body's inertia is that of a homogeneous box about its own centre, M (L² + W
 homogeneous discs, M r² / 2 about the axle and M r² / 4 about the vertical.
 """
 
-from osculate.errors import InvalidInput
+from osculate.errors import choose
 from osculate.vehicle.actuators import Actuators
 from osculate.vehicle.tricycle import Tricycle
 
@@ -76,6 +76,4 @@ def vehicle_named(name: str) -> Tricycle:
     Raises:
         InvalidInput: No such robot; lists the names.
     """
-    if name not in VEHICLES:
-        raise InvalidInput("robot", name, f"must be one of {', '.join(VEHICLES)}")
-    return VEHICLES[name]
+    return choose("robot", name, VEHICLES)

@@ -3,7 +3,7 @@
 from functools import cached_property
 from typing import Literal, NamedTuple
 
-from osculate.errors import InvalidInput
+from osculate.errors import choose
 from osculate.spec import Spec, quantity
 from osculate.vehicle.actuators import Actuators
 from osculate.vehicle.model import ReducedModel
@@ -138,9 +138,7 @@ class Tricycle(Spec):
         Args:
             form: ``"corrected"`` (steering term I r², conserves energy) or ``"printed"`` (I a r²).
         """
-        factors = {"corrected": 1.0, "printed": self.wheelbase}
-        if form not in factors:
-            raise InvalidInput("form", form, f"must be one of {', '.join(factors)}")
+        factor = choose("form", form, {"corrected": 1.0, "printed": self.wheelbase})
         turn = self.turn_inertia * self.wheel_radius**2
         return ReducedModel(
             wheelbase=self.wheelbase,
@@ -150,5 +148,5 @@ class Tricycle(Spec):
             differential=1.0 / self.yaw_gain,
             drive_inertia=self.total_mass * self.wheel_radius**2 + 2 * self.wheel_inertia,
             turn_inertia=turn,
-            coupling=turn * factors[form],
+            coupling=turn * factor,
         )

@@ -51,8 +51,7 @@ class Nmpc(ExternalTracker):
 
         def decide(motion: Motion, memory: TrackingMemory) -> float:
             nonlocal guess
-            rate = memory.steering.rate
-            steering = memory.steering._replace(angle=motion.steering_angle, rate=rate)
+            steering = memory.steering._replace(angle=motion.steering_angle)
             moved = memory.progress + road.period * motion.speed
             foot = foot_of(motion.x, motion.y, motion.heading, moved, road.curve, tables)
             pose = look_ahead(View(motion, foot, steering, 0.0, memory.pending), pipe)

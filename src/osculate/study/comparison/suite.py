@@ -3,17 +3,14 @@
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TypeVar
 
 from pydantic import Field
 
 from osculate.curve import Chain, Curve, CurveFile, Cycloid, Parametric, Segment, Spline
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, choose
 from osculate.plant import Actuated, Mujoco
 from osculate.simulation import InitialState
 from osculate.spec import Spec, quantity
-
-T = TypeVar("T")
 
 
 class Condition(Spec):
@@ -85,7 +82,7 @@ def starts(names: Iterable[str] | None = None) -> dict[str, InitialState]:
     Raises:
         InvalidInput: No such start.
     """
-    return {name: _known("start", name, STARTS) for name in names or ("on-path", "offset")}
+    return {name: choose("start", name, STARTS) for name in names or ("on-path", "offset")}
 
 
 def conditions(names: Iterable[str] | None = None) -> dict[str, Condition]:
@@ -94,13 +91,7 @@ def conditions(names: Iterable[str] | None = None) -> dict[str, Condition]:
     Raises:
         InvalidInput: No such condition.
     """
-    return {name: _known("plant", name, CONDITIONS) for name in names or ("ideal",)}
-
-
-def _known(field: str, name: str, known: dict[str, T]) -> T:
-    if name not in known:
-        raise InvalidInput(field, name, f"must be one of {', '.join(known)}")
-    return known[name]
+    return {name: choose("plant", name, CONDITIONS) for name in names or ("ideal",)}
 
 
 def training_curves() -> dict[str, Curve]:
