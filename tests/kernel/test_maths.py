@@ -46,6 +46,9 @@ def uniform(low, high, count=3000):
         (maths.tan, mpmath.tan, uniform(-10, 10), 3.0),
         (maths.exp, mpmath.exp, uniform(-2, 2), 1.0),
         (maths.exp, mpmath.exp, uniform(-700, 700), 1.0),
+        (maths.log, mpmath.log, uniform(0.0, 3.0), 1.0),
+        (maths.log, mpmath.log, uniform(0.0, 1e300), 1.0),
+        (maths.log, mpmath.log, [(10.0**x,) for (x,) in uniform(-307, 308)], 1.0),
         (maths.atan, mpmath.atan, uniform(-5, 5), 1.0),
         (maths.atan, mpmath.atan, uniform(-1e6, 1e6), 1.0),
     ],
@@ -95,6 +98,27 @@ def test_exp_at_its_ends():
     assert 0.0 < maths.exp(-708.0) < 1e-307
 
 
+@given(st.floats(1e-150, 1e150), st.floats(1e-150, 1e150))
+def test_log_turns_products_into_sums(a, b):
+    assert maths.log(a) + maths.log(b) == pytest.approx(maths.log(a * b), abs=2e-13)
+
+
+@given(st.floats(-700, 700))
+def test_log_undoes_exp(x):
+    assert maths.log(maths.exp(x)) == pytest.approx(x, rel=1e-15, abs=1e-15)
+
+
+def test_log_at_its_ends():
+    assert maths.log(1.0) == 0.0
+    assert maths.log(np.nextafter(1.0, 0.0)) == -(2.0**-53)
+    assert maths.log(0.0) == maths.log(-0.0) == maths.log(5e-324) == -math.inf
+    assert maths.log(2.2250738585072014e-308) == math.log(2.2250738585072014e-308)
+    assert maths.log(1.7976931348623157e308) == math.log(1.7976931348623157e308)
+    assert maths.log(math.inf) == math.inf
+    for x in (-1.0, -5e-324, -math.inf, math.nan):
+        assert math.isnan(maths.log(x))
+
+
 @pytest.mark.parametrize(
     ("y", "x", "angle"),
     [
@@ -132,7 +156,7 @@ def test_sign():
     assert [maths.sign(x) for x in (-2.0, -0.0, 0.0, 1e-300)] == [-1.0, 0.0, 0.0, 1.0]
 
 
-ONE_ARGUMENT = ["sin", "cos", "tan", "exp", "atan", "wrap_angle"]
+ONE_ARGUMENT = ["sin", "cos", "tan", "exp", "log", "atan", "wrap_angle"]
 
 
 def test_uncompiled_functions_give_the_same_bits():
@@ -162,7 +186,7 @@ def test_a_loop_over_lanes_is_vectorised(name):
     x = np.linspace(-1.0, 1.0, 64)
     y = np.empty(64)
     lanes(x, y)
-    assert y.tolist() == [function(v) for v in x]
+    np.testing.assert_array_equal(y, [function(v) for v in x])
     assembly = "\n".join(lanes.inspect_asm().values())
     assert re.search(r"\bv?mulpd\b", assembly)
     assert not re.search(rf"\$?\b{name}\b", assembly.split("_ZN7cpython")[0].split(".globl")[0])

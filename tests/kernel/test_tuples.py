@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from osculate.kernel import (
     axpy,
+    dot,
     finite_sum,
     leaves,
     load,
@@ -19,7 +20,9 @@ from osculate.kernel import (
     scratch,
     select,
     store,
+    transpose,
 )
+from uncompiled import run_uncompiled
 
 numbers = st.floats(-1e9, 1e9)
 
@@ -92,6 +95,98 @@ def test_finite_sum_notices_any_leaf(bad, leaf):
     values[leaf] = bad
     assert np.isnan(finite_sum(rebuild(LIKE, iter(values))))
     assert np.isnan(compiled_finite(rebuild(LIKE, iter(values))))
+
+
+@numba.njit
+def compiled_dot(x, y):
+    return dot(x, y)
+
+
+@numba.njit
+def compiled_transpose(rows):
+    return transpose(rows)
+
+
+@given(outers, outers)
+def test_compiled_dot_rounds_like_python(x, y):
+    products = [a * b for a, b in zip(leaves(x), leaves(y), strict=True)]
+    expected = products[0]
+    for product in products[1:]:
+        expected += product
+    assert compiled_dot(x, y) == dot(x, y) == expected
+    assert dot(x, y) == dot(y, x)
+    scale = sum(map(abs, products))
+    assert dot(x, y) == pytest.approx(np.dot([*leaves(x)], [*leaves(y)]), abs=1e-15 * scale)
+
+
+@given(outers)
+def test_dot_begins_with_the_first_product(x):
+    signed = rebuild(LIKE, iter([-0.0] * 7))
+    ones = rebuild(LIKE, iter([1.0] * 7))
+    assert str(dot(signed, ones)) == str(compiled_dot(signed, ones)) == "-0.0"
+    assert dot(x, x) >= 0.0
+
+
+@pytest.mark.parametrize("function", [dot, compiled_dot])
+def test_dot_takes_tuples_of_one_shape_only(function):
+    for x, y in [((1.0, 2.0), (1.0,)), ((1.0,), (1.0, 2.0))]:
+        with pytest.raises(ValueError, match="argument 2 is"):
+            function(x, y)
+
+
+class Row(NamedTuple):
+    x: float
+    y: float
+    z: float
+
+
+class Square(NamedTuple):
+    x: Row
+    y: Row
+    z: tuple[float, float, float]
+
+
+squares = st.lists(numbers, min_size=9, max_size=9).map(
+    lambda v: Square(Row(*v[:3]), Row(*v[3:6]), tuple(v[6:]))
+)
+unnamed = squares.map(lambda m: tuple(map(tuple, m)))
+
+
+@given(squares | unnamed)
+def test_transpose_swaps_rows_and_columns_and_keeps_the_types(rows):
+    expected = np.array(rows).T.tolist()
+    for turned in (transpose(rows), compiled_transpose(rows)):
+        assert np.array(turned).tolist() == expected
+        assert type(turned) is type(rows)
+        assert [type(row) for row in turned] == [type(row) for row in rows]
+    assert transpose(transpose(rows)) == compiled_transpose(compiled_transpose(rows)) == rows
+
+
+@given(squares)
+def test_rows_of_one_named_type_transpose_too(rows):
+    same = Square(rows.x, rows.y, Row(*rows.z))
+    turned = compiled_transpose(same)
+    assert turned == transpose(same)
+    assert isinstance(turned, Square)
+    assert all(isinstance(row, Row) for row in turned)
+
+
+def test_only_square_matrices_are_transposed():
+    with pytest.raises(ValueError, match="argument 2 is"):
+        transpose(((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)))
+    with pytest.raises(numba.core.errors.TypingError):
+        compiled_transpose(((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)))
+
+
+def test_uncompiled_dot_and_transpose_give_the_same_bits():
+    code = """
+        from osculate.kernel import dot, transpose
+        rows = ((0.1, 0.2), (0.3, 0.7))
+        print(dot(rows, transpose(rows)).hex(), transpose(rows))
+    """
+    rows = ((0.1, 0.2), (0.3, 0.7))
+    turned = compiled_transpose(rows)
+    assert run_uncompiled(code).strip() == f"{compiled_dot(rows, turned).hex()} {turned}"
 
 
 def through_lanes(like, block):

@@ -1,10 +1,22 @@
-"""Ways to make scalar functions fast: one decorator, own maths, tuples in lanes, tables, composition."""
+"""Fast scalar functions: decorator, maths, random numbers, tuples in lanes, tables, composition."""
 
 from osculate.kernel.compose import compiled, compose
 from osculate.kernel.decorator import kernel
 from osculate.kernel.lanes import load, lookup, scratch, store
+from osculate.kernel.random import normals, uniforms
 from osculate.kernel.table import Grid, Tables, hermite, locate, read
-from osculate.kernel.tuples import Nothing, axpy, finite_sum, leaves, names, rebuild, select
+from osculate.kernel.tuples import (
+    Nothing,
+    axpy,
+    dot,
+    finite_sum,
+    leaves,
+    names,
+    rebuild,
+    select,
+    transpose,
+    zeros,
+)
 
 __all__ = [
     "Grid",
@@ -13,6 +25,7 @@ __all__ = [
     "axpy",
     "compiled",
     "compose",
+    "dot",
     "finite_sum",
     "hermite",
     "kernel",
@@ -21,9 +34,13 @@ __all__ = [
     "locate",
     "lookup",
     "names",
+    "normals",
     "read",
     "rebuild",
     "scratch",
     "select",
     "store",
+    "transpose",
+    "uniforms",
+    "zeros",
 ]

@@ -127,7 +127,7 @@ def _reach(value: Any, files: dict[str, str], constants: list[str], seen: set[in
             for name in _global_names(function.__code__):
                 if name in function.__globals__:
                     _reach(function.__globals__[name], files, constants, seen)
-    elif isinstance(value, (int, float, bool, str)):
+    elif isinstance(value, (int, float, bool, str, tuple)):
         constants.append(repr(value))
 
 

@@ -6,6 +6,9 @@ same rounding as the Python one.
 """
 
 from collections.abc import Callable, Iterator
+from functools import reduce
+from itertools import repeat
+from operator import add
 from typing import Any, NamedTuple, TypeVar
 
 from llvmlite import ir
@@ -53,6 +56,11 @@ def rebuild(like: T, values: Iterator[Any]) -> T:
     return next(values)  # type: ignore[no-any-return]
 
 
+def zeros(like: T) -> T:
+    """A tuple shaped as ``like`` full of zeros."""
+    return rebuild(like, repeat(0.0))
+
+
 def axpy(scale: float, x: T, y: T) -> T:
     """``scale * x + y`` on every leaf."""
     if isinstance(y, tuple):
@@ -71,6 +79,19 @@ def finite_sum(value: Any) -> float:
     for leaf in leaves(value):
         total = total + leaf
     return total * 0.0
+
+
+def dot(x: Any, y: Any) -> float:
+    """Sum of the products of all leaves of two tuples of the same shape, added in order."""
+    pairs = zip(leaves(x), leaves(y), strict=True)
+    return reduce(add, (a * b for a, b in pairs))  # `sum` adds with another rounding
+
+
+def transpose(rows: T) -> T:
+    """The square matrix whose rows are the columns of ``rows``, n tuples of n floats; types stay."""
+    columns = zip(*rows, strict=True)  # type: ignore
+    turned = [_make(type(row), column) for row, column in zip(rows, columns, strict=True)]  # type: ignore
+    return _make(type(rows), turned)
 
 
 def map_leaves(
@@ -147,3 +168,51 @@ def _finite_sum(typingctx: Any, value: Any) -> Any:
 @compiled_twin(finite_sum)  # type: ignore[untyped-decorator]
 def _compiled_finite_sum(value: Any) -> Any:
     return lambda value: _finite_sum(value)
+
+
+def _flat(context: Any, builder: Any, kind: Any, item: Any) -> list[Any]:
+    found: list[Any] = []
+
+    def keep(leaf: Any) -> Any:
+        found.append(leaf)
+        return leaf
+
+    map_leaves(context, builder, kind, [item], keep)
+    return found
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _dot(typingctx: Any, x: Any, y: Any) -> Any:
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        left, right = (_flat(context, builder, k, i) for k, i in zip((x, y), args, strict=True))
+        pairs = zip(left, right, strict=True)
+        return reduce(builder.fadd, [builder.fmul(a, b) for a, b in pairs])
+
+    return types.float64(x, y), emit
+
+
+@compiled_twin(dot)  # type: ignore[untyped-decorator]
+def _compiled_dot(x: Any, y: Any) -> Any:
+    return lambda x, y: _dot(x, y)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _transpose(typingctx: Any, rows: Any) -> Any:
+    if any(len(row) != len(rows) for row in rows.types):
+        return None
+
+    def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        turned = [
+            context.make_tuple(
+                builder, row, [builder.extract_value(args[0], [c, r]) for c in range(len(rows))]
+            )
+            for r, row in enumerate(rows.types)
+        ]
+        return context.make_tuple(builder, rows, turned)
+
+    return rows(rows), emit
+
+
+@compiled_twin(transpose)  # type: ignore[untyped-decorator]
+def _compiled_transpose(rows: Any) -> Any:
+    return lambda rows: _transpose(rows)
