@@ -44,7 +44,9 @@ if TYPE_CHECKING:
     from osculate.plant import Actuated as Actuated
     from osculate.plant import Disturbance as Disturbance
     from osculate.plant import Mujoco as Mujoco
+    from osculate.plant import Patch as Patch
     from osculate.plant import Reduced as Reduced
+    from osculate.plant import Slip as Slip
     from osculate.scene import Block as Block
     from osculate.scene import Disc as Disc
     from osculate.scene import Scene as Scene
@@ -122,7 +124,9 @@ _ROOMS = {
         "Actuated",
         "Disturbance",
         "Mujoco",
+        "Patch",
         "Reduced",
+        "Slip",
     ),
     "scene": (
         "Block",

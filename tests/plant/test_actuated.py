@@ -116,9 +116,13 @@ def test_limits_hold():
 def test_mismatches_reach_the_plant_only():
     plant = Actuated(payload=5.0, servo=0.7, wheel_wear=0.02, steering_offset=0.01)
     part = plant.part(Tricycle(), START)
-    assert part.parameters.frequency == pytest.approx(14.0)
+    assert part.parameters.actuators.frequency == pytest.approx(14.0)
     assert part.parameters.model.wheel_radius == pytest.approx(0.098)
-    assert part.measure(part.state, part.parameters).speed == pytest.approx(0.8 / 0.98)
+    motion = part.measure(part.state, part.parameters)
+    assert motion.speed == pytest.approx(0.8 / 0.98)
+    wheels = part.wheels(part.state, part.parameters)
+    assert sum(wheels) / 2 == pytest.approx(motion.speed)
+    assert wheels.right - wheels.left == pytest.approx(0.2 * motion.yaw_rate / 0.98)
     assert plant.model(Tricycle()) == Tricycle().reduced_model()
 
 

@@ -39,6 +39,12 @@ def test_the_steering_angle_follows_from_the_motion():
     assert math.tan(resting.steering_angle) / ROBOT.wheelbase == pytest.approx(START.curvature)
 
 
+def test_the_wheels_roll():
+    part = Reduced().part(ROBOT, START)
+    wheels = part.wheels(part.state._replace(speed=2.0, yaw_rate=1.0), part.parameters)
+    assert wheels == pytest.approx((1.9, 2.1))
+
+
 def test_disturbances_act_where_they_say():
     errors = Errors(heading=0.2, yaw_rate=-0.1, speed=0.3)
     push, rate = disturb(1.0, errors, Disturbance.internal(5, 5).parameters())

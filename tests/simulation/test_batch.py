@@ -95,7 +95,7 @@ ASSEMBLY = """
     from osculate.simulation.batch import LANES, _Columns
     loop = close_loop(Setup(Cycloid.over(), clock=Continuous(duration=0.01)))
     columns = _Columns([loop], {}, LANES)
-    run_block(loop, *columns.block(0))
+    run_block(loop, columns.block(0))
     (text,) = loop.engine(LANES).run_block.inspect_asm().values()
     print(text)
 """

@@ -57,7 +57,7 @@ def run(
     ] = None,
     animate: Annotated[bool, typer.Option("--animate", help="Also write animation.gif.")] = False,
     plant: Annotated[
-        str, typer.Option(help="Another plant than the scenario's: actuated or mujoco.")
+        str, typer.Option(help="Another plant than the scenario's: actuated, slip or mujoco.")
     ] = "",
     save: Annotated[
         list[Path] | None,

@@ -2,6 +2,9 @@
 
 from osculate.control.contract import Controller, ControlPart, Errors, Start
 from osculate.control.curvature import CurvatureLaw, SlidingMode, YawRegulator
+from osculate.control.estimation.ekf import Ekf
+from osculate.control.safety import Safety
+from osculate.control.stepper import Stepper
 from osculate.control.tracking import (
     CurvatureTracker,
     FeedforwardLqr,
@@ -12,7 +15,6 @@ from osculate.control.tracking import (
     PurePursuit,
     SpeedLoop,
     Stanley,
-    Stepper,
 )
 
 __all__ = [
@@ -20,6 +22,7 @@ __all__ = [
     "Controller",
     "CurvatureLaw",
     "CurvatureTracker",
+    "Ekf",
     "Errors",
     "FeedforwardLqr",
     "Kanayama",
@@ -27,6 +30,7 @@ __all__ = [
     "PathTracker",
     "PreviewLqr",
     "PurePursuit",
+    "Safety",
     "SlidingMode",
     "SpeedLoop",
     "Stanley",

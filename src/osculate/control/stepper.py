@@ -1,20 +1,25 @@
-"""One decision at a time: how a real robot, or any simulator, calls a path tracker.
+"""One decision at a time: how a real robot, or any simulator, calls a pilot.
 
-The same compiled step that runs in batches, behind a small object: a measured motion in, a command out.
+The same compiled step that runs in batches, behind a small object: a measurement in, a command out.
 """
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.contract import ControlPart, Start
+from osculate.control.contract import Start
+from osculate.control.estimation.ekf import Ekf
+from osculate.control.pilot import pilot_part
+from osculate.control.safety import Safety
 from osculate.control.tracking.contract import PathTracker, TrackingMemory, survey
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
 from osculate.errors import InvalidInput
-from osculate.kernel import Tables, compose, leaves, rebuild
+from osculate.kernel import Tables, compose, leaves, rebuild, zeros
 from osculate.target.speed import Limits
+from osculate.vehicle.measurement import NO_FIX, Measurement
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Tricycle
 
@@ -31,6 +36,8 @@ class Stepper:
         delay: Time from a decision to its effect (s), in whole periods.
         motion: Where the robot is; by default at the start of the curve, at rest.
         progress: Arc length (m) of the curve near which it is.
+        estimator: What makes motions of measurements; by default motions are measured themselves.
+        safety: What guards the tracker; by default nothing.
 
     Raises:
         InvalidInput: A period that is not positive, or a delay that is not a multiple of it.
@@ -48,6 +55,8 @@ class Stepper:
         delay: float = 0.01,
         motion: Motion | None = None,
         progress: float = 0.0,
+        estimator: Ekf | None = None,
+        safety: Safety | None = None,
     ) -> None:
         if not period > 0:
             raise InvalidInput("period", period, "must be positive (s)")
@@ -62,36 +71,69 @@ class Stepper:
         road, self.plan = survey(
             curve, robot or Tricycle(), limits or Limits(), period, slots, tables
         )
-        begin = curve.at(progress)
-        start = Start(
-            float(begin.x), float(begin.y), float(begin.heading),
-            0.0 if motion is None else motion.speed, 0.0, float(begin.curvature),
-        )  # fmt: skip
-        part: ControlPart = law.tracking_part(road, start, progress)
+        place = curve.at(progress)
+        if motion is None:
+            angle = math.atan(road.robot.wheelbase * float(place.curvature))
+            motion = Motion(float(place.x), float(place.y), float(place.heading), 0.0, 0.0, angle)
+        start = Start(*motion[:5], float(place.curvature))
+        part = pilot_part(law, road, start, progress, motion, estimator, safety)
         self.length, self.table = curve.length, road.curve
         self._like: Any = part.memory
-        shape = {"LIKE": _zeros(part.memory), "LIKE_PARAMETERS": _zeros(part.parameters)}
+        shape = {"LIKE": zeros(part.memory), "LIKE_PARAMETERS": zeros(part.parameters)}
         template = "osculate.control.templates.stepper"
-        self._engine = compose(template, {"track": part.control, "LANES": 1, **shape})
+        like = zeros(motion if estimator is None else Measurement(0.0, 0.0, 0.0, 0.0, NO_FIX))
+        shape["LIKE_MEASURED"] = like
+        self._engine = compose(template, {"decide": part.decide, "LANES": 1, **shape})
         self._memory = _column(part.memory)
         self._parameters = _column(part.parameters)
         self.tables = tables.array
-        self._motion = np.zeros((len(Motion._fields), 1))
+        self._measured = _column(like)
         self._out = np.zeros((len(Command._fields), 1))
+        self._estimates, self._guarded = estimator is not None, safety is not None
 
-    def step(self, motion: Motion) -> Command:
-        """The command for the motion measured now; to be called once a period."""
-        self._motion[:, 0] = motion
+    def step(self, measured: Motion | Measurement) -> Command:
+        """The command for what was measured now; to be called once a period.
+
+        Args:
+            measured: A `Measurement` with an estimator, else a `Motion`.
+
+        Raises:
+            InvalidInput: The other one.
+        """
+        if isinstance(measured, Measurement) != self._estimates:
+            wanted = "Measurement" if self._estimates else "Motion"
+            raise InvalidInput("measured", measured, f"must be a {wanted}")
+        self._measured[:, 0] = [*leaves(measured)] if self._estimates else measured
         self._engine.step_block(
-            self._memory, self._parameters, self._motion, self._out, self.tables
+            self._memory, self._parameters, self._measured, self._out, self.tables
         )
         return Command(*self._out[:, 0].tolist())
 
     @property
     def memory(self) -> TrackingMemory:
-        """What the law remembers after the last step."""
-        memory: TrackingMemory = rebuild(self._like, iter(self._memory[:, 0].tolist()))
+        """What the tracker remembers after the last step."""
+        whole = self._whole
+        memory: TrackingMemory = whole.law if self._estimates else whole
         return memory
+
+    @property
+    def belief(self) -> Any:
+        """What the estimator believes after the last step; None without one."""
+        return self._whole.belief if self._estimates else None
+
+    @property
+    def _whole(self) -> Any:
+        return rebuild(self._like, iter(self._memory[:, 0].tolist()))
+
+    @property
+    def intervention(self) -> int:
+        """Number of the safety layer's reason at the last step (`safety.REASONS`); 0 is none."""
+        return int(self.memory.guard.alarm) if self._guarded else 0
+
+    @property
+    def stopping(self) -> bool:
+        """Whether the safety layer stops the robot, or has."""
+        return self._guarded and self.memory.guard.stop > 0.0
 
     @property
     def progress(self) -> float:
@@ -106,7 +148,3 @@ class Stepper:
 
 def _column(value: Any) -> NDArray[np.float64]:
     return np.array(list(leaves(value)), dtype=float).reshape(-1, 1)
-
-
-def _zeros(value: Any) -> Any:
-    return rebuild(value, iter([0.0] * len(list(leaves(value)))))

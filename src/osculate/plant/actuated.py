@@ -8,14 +8,45 @@ from typing import Literal, NamedTuple
 
 from osculate.control.contract import Start
 from osculate.kernel import kernel
-from osculate.kernel.maths import atan, clip, sincos, tan
+from osculate.kernel.maths import atan, sincos, tan
 from osculate.plant.contract import Plant, PlantPart, Push
 from osculate.spec import quantity
+from osculate.vehicle.actuators import ActuatorParameters, ActuatorState, actuator_rates
 from osculate.vehicle.model import ReducedModel, steered_acceleration
-from osculate.vehicle.motion import Command, Motion
+from osculate.vehicle.motion import Command, Motion, Wheels
 from osculate.vehicle.tricycle import Tricycle
 
 CRAWL = 0.002  # m/s, speed at which rolling resistance has half of its size
+
+
+class ActuatedPlant(Plant):
+    """A robot with its actuators; the fields say how it differs from what its law believes."""
+
+    payload: float = quantity(
+        "kg", "load on the body's centre that no law knows", default=0.0, ge=0
+    )
+    servo: float = quantity(
+        "1", "natural frequency of the steering servo, per that of the robot", default=1.0, gt=0
+    )
+    wheel_wear: float = quantity(
+        "1", "loss of wheel radius, part of the radius", default=0.0, ge=0, lt=0.5
+    )
+    steering_offset: float = quantity("rad", "wheel's angle minus servo's angle", default=0.0)
+
+    def real(self, robot: Tricycle) -> Tricycle:
+        """The robot as it is: loaded, its wheels worn."""
+        loaded = robot.model_copy(update={"body_mass": robot.body_mass + self.payload})
+        return Tricycle(
+            **{
+                **{name: getattr(loaded, name) for name in type(robot).model_fields},
+                "wheel_radius": robot.wheel_radius * (1.0 - self.wheel_wear),
+            }
+        )
+
+    @property
+    def odometry(self) -> float:
+        """Speed by the wheels' encoders, which know no wear, per speed."""
+        return 1.0 / (1.0 - self.wheel_wear)
 
 
 class ActuatedState(NamedTuple):
@@ -35,15 +66,11 @@ class ActuatedParameters(NamedTuple):
     """Parameters of the actuated plant."""
 
     model: ReducedModel
-    frequency: float  # rad/s, natural frequency of the servo
-    damping: float  # 2 ζ ω, 1/s
-    rate_limit: float  # rad/s
-    angle_limit: float  # rad
-    motor_rate: float  # 1/s
-    torque_limit: float  # N m, each wheel
+    actuators: ActuatorParameters
     resistance: float  # N m, torque of both drives that overcomes rolling resistance
     offset: float  # rad, wheel's angle minus servo's angle
     odometry: float  # measured speed per speed
+    half_track: float  # m, d / 2
 
 
 @kernel
@@ -51,28 +78,24 @@ def actuated_rates(
     state: ActuatedState, command: Command, push: Push, p: ActuatedParameters
 ) -> ActuatedState:
     """Servo, motors, eqs (2), (6) and (16)."""
-    wanted = clip(command.steering_angle, -p.angle_limit, p.angle_limit)
-    pull = (
-        p.frequency * p.frequency * (wanted - state.steering_angle)
-        - p.damping * state.steering_rate
+    now = ActuatorState(
+        state.steering_angle, state.steering_rate, state.torque_left, state.torque_right
     )
-    outward = pull * state.steering_rate > 0.0 and abs(state.steering_rate) >= p.rate_limit
-    rate = clip(state.steering_rate, -p.rate_limit, p.rate_limit)
+    moved = actuator_rates(now, command, p.actuators)
     tangent = tan(state.steering_angle + p.offset)
     sine, cosine = sincos(state.heading)
     drag = p.resistance * state.speed / (abs(state.speed) + CRAWL)
     torque = state.torque_left + state.torque_right - drag
-    left = clip(command.torque_left, -p.torque_limit, p.torque_limit)
-    right = clip(command.torque_right, -p.torque_limit, p.torque_limit)
+    acceleration = steered_acceleration(p.model, tangent, moved.steering_angle, state.speed, torque)
     return ActuatedState(
         x=state.speed * cosine,
         y=state.speed * sine,
         heading=state.speed * tangent / p.model.wheelbase + push.yaw_rate,
-        speed=steered_acceleration(p.model, tangent, rate, state.speed, torque) + push.acceleration,
-        steering_angle=rate,
-        steering_rate=0.0 if outward else pull,
-        torque_left=(left - state.torque_left) * p.motor_rate,
-        torque_right=(right - state.torque_right) * p.motor_rate,
+        speed=acceleration + push.acceleration,
+        steering_angle=moved.steering_angle,
+        steering_rate=moved.steering_rate,
+        torque_left=moved.torque_left,
+        torque_right=moved.torque_right,
     )
 
 
@@ -84,45 +107,31 @@ def measure_actuated(state: ActuatedState, p: ActuatedParameters) -> Motion:
     return Motion(state.x, state.y, state.heading, speed, yaw_rate, state.steering_angle)
 
 
-class Actuated(Plant):
-    """The robot with its actuators; the fields say how it differs from what its law believes."""
+@kernel
+def actuated_wheels(state: ActuatedState, p: ActuatedParameters) -> Wheels:
+    """Rolling, eq. (3), on worn wheels: v ∓ (d/2) ω, as the encoders see it."""
+    yaw_rate = state.speed * tan(state.steering_angle + p.offset) / p.model.wheelbase
+    turn = p.half_track * yaw_rate
+    return Wheels((state.speed - turn) * p.odometry, (state.speed + turn) * p.odometry)
+
+
+class Actuated(ActuatedPlant):
+    """The robot with its actuators, rolling without slip."""
 
     kind: Literal["actuated"] = "actuated"
-    payload: float = quantity(
-        "kg", "load on the body's centre that no law knows", default=0.0, ge=0
-    )
-    servo: float = quantity(
-        "1", "natural frequency of the steering servo, per that of the robot", default=1.0, gt=0
-    )
-    wheel_wear: float = quantity(
-        "1", "loss of wheel radius, part of the radius", default=0.0, ge=0, lt=0.5
-    )
-    steering_offset: float = quantity("rad", "wheel's angle minus servo's angle", default=0.0)
 
     def part(self, robot: Tricycle, start: Start) -> PlantPart:
         """See `Plant.part`."""
-        loaded = robot.model_copy(update={"body_mass": robot.body_mass + self.payload})
-        real = Tricycle(
-            **{
-                **{name: getattr(loaded, name) for name in type(robot).model_fields},
-                "wheel_radius": robot.wheel_radius * (1.0 - self.wheel_wear),
-            }
-        )
-        act = robot.actuators
-        frequency = act.steering_frequency * self.servo
-        model = real.reduced_model()
+        real = self.real(robot)
+        rolling = robot.actuators.rolling_resistance
         parameters = ActuatedParameters(
-            model=model,
-            frequency=frequency,
-            damping=2.0 * act.steering_damping * frequency,
-            rate_limit=act.steering_rate_limit,
-            angle_limit=act.steering_angle_limit,
-            motor_rate=1.0 / act.motor_lag,
-            torque_limit=act.torque_limit,
-            resistance=act.rolling_resistance * real.weight * real.wheel_radius,
+            model=real.reduced_model(),
+            actuators=robot.actuators.parameters(self.servo),
+            resistance=rolling * real.weight * real.wheel_radius,
             offset=self.steering_offset,
-            odometry=1.0 / (1.0 - self.wheel_wear),
+            odometry=self.odometry,
+            half_track=0.5 * robot.track_width,
         )
         angle = float(atan(robot.wheelbase * start.curvature))
         state = ActuatedState(start.x, start.y, start.heading, start.speed, angle, 0.0, 0.0, 0.0)
-        return PlantPart(actuated_rates, measure_actuated, parameters, state)
+        return PlantPart(actuated_rates, measure_actuated, actuated_wheels, parameters, state)

@@ -1,5 +1,6 @@
 """The contract of every plant: how a state changes under a command, and what it looks like."""
 
+import math
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ class Push(NamedTuple):
     acceleration: float  # m/s², added to v̇
     yaw_acceleration: float  # rad/s², added to ω̇
     yaw_rate: float  # rad/s, added to θ̇: turns the robot without its wheels
+    aside: float = 0.0  # m/s², left, on the body's centre; moves only what can slip
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class PlantPart:
 
     rates: Any  # kernel (state, command, push, parameters) -> state's rate
     measure: Any  # kernel (state, parameters) -> Motion
+    wheels: Any  # kernel (state, parameters) -> Wheels, as the encoders report
     parameters: NamedTuple
     state: NamedTuple  # initial value
 
@@ -34,6 +37,10 @@ class Plant(Spec):
     def model(self, robot: Tricycle) -> ReducedModel:
         """The reduced model that a law may assume for this plant."""
         return robot.reduced_model()
+
+    def longest_step(self, robot: Tricycle) -> float:
+        """The longest step (s) of `rk4` for which the plant itself is stable; no limit by default."""
+        return math.inf
 
     @abstractmethod
     def part(self, robot: Tricycle, start: Start) -> PlantPart:

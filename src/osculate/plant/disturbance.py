@@ -52,6 +52,7 @@ def disturb(t: float, errors: Errors, p: DisturbanceParameters) -> Any:
         acceleration=p.speed_amplitude * slow + p.speed_feedback * errors.speed,
         yaw_acceleration=p.yaw_rate_feedback * errors.yaw_rate + p.yaw_rate_amplitude * quarter,
         yaw_rate=p.turns_robot * heading,
+        aside=0.0,
     )
     return push, DisturbanceMemory((1.0 - p.turns_robot) * heading)
 

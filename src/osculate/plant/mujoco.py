@@ -12,15 +12,18 @@ import numpy as np
 
 from osculate.control.contract import Start
 from osculate.errors import MissingExtra
-from osculate.plant.contract import Plant, PlantPart
+from osculate.plant.actuated import ActuatedPlant
+from osculate.plant.contract import PlantPart, Push
+from osculate.plant.tyre import Patch
 from osculate.spec import quantity
-from osculate.vehicle.motion import Command, Motion
+from osculate.vehicle.motion import Command, Motion, Wheels
 from osculate.vehicle.tricycle import Tricycle
 
+WHEELS = ("left", "right", "front")
 ARMATURE = 0.1  # kg m², of the steering joint: far above what turns with the wheel
 
 
-class Mujoco(Plant):
+class Mujoco(ActuatedPlant):
     """The robot simulated by MuJoCo (extra ``mujoco``), one run at a time."""
 
     kind: Literal["mujoco"] = "mujoco"
@@ -28,9 +31,7 @@ class Mujoco(Plant):
     softness: float = quantity(
         "s", "time constant of the contacts; two steps or more", default=0.002, gt=0
     )
-    payload: float = quantity(
-        "kg", "load on the body's centre that no law knows", default=0.0, ge=0
-    )
+    patches: tuple[Patch, ...] = ()
 
     def part(self, robot: Tricycle, start: Start) -> PlantPart:
         """A MuJoCo plant has no kernel: see `MujocoRobot`."""
@@ -58,22 +59,29 @@ class MujocoRobot:
             self._mujoco: Any = import_module("mujoco")
         except ImportError:
             raise MissingExtra("mujoco", "mujoco") from None
+        real = plant.real(robot)
         self.model = self._mujoco.MjModel.from_xml_string(mjcf(robot, plant, step))
         self.data = self._mujoco.MjData(self.model)
+        self._plant, self._inertia = plant, real.turn_inertia
+        self._mass = real.body_mass + 3.0 * real.wheel_mass
+        self._nominal = robot.wheel_radius
         self._rate = robot.actuators.steering_rate_limit * step
         self._slewed = float(np.arctan(robot.wheelbase * start.curvature))
+        self._base = int(self.model.body("base").id)
+        self._spins = [int(self.model.joint(name).dofadr[0]) for name in WHEELS]
+        self._tyres = [int(self.model.geom(f"{name} tyre").id) for name in WHEELS]
         self._steering = int(self.model.joint("steering").qposadr[0])
         half = 0.5 * start.heading
         self.data.qpos[:7] = [
             start.x,
             start.y,
-            robot.wheel_radius,
+            real.wheel_radius,
             np.cos(half),
             0,
             0,
             np.sin(half),
         ]
-        self.data.qpos[self._steering] = self._slewed
+        self.data.qpos[self._steering] = self._slewed + plant.steering_offset
         self.data.qvel[:2] = (
             start.speed * np.cos(start.heading),
             start.speed * np.sin(start.heading),
@@ -85,17 +93,21 @@ class MujocoRobot:
             ("right", start.speed + side * yaw_rate),
             ("front", start.speed / np.cos(self._slewed)),
         ):
-            self.data.qvel[int(self.model.joint(name).dofadr[0])] = speed / robot.wheel_radius
+            self.data.qvel[int(self.model.joint(name).dofadr[0])] = speed / real.wheel_radius
         self._mujoco.mj_forward(self.model, self.data)
 
     def measure(self) -> Motion:
-        """Pose and speeds of O, and the steering angle."""
+        """Pose of O, its speed as the wheels' encoders see it, and the servo's angle."""
         q, v = self.data.qpos, self.data.qvel
         heading = 2.0 * float(np.arctan2(q[6], q[3]))
-        speed = float(v[0] * np.cos(heading) + v[1] * np.sin(heading))
-        return Motion(
-            float(q[0]), float(q[1]), heading, speed, float(v[5]), float(q[self._steering])
-        )
+        speed = float(v[0] * np.cos(heading) + v[1] * np.sin(heading)) * self._plant.odometry
+        angle = float(q[self._steering]) - self._plant.steering_offset
+        return Motion(float(q[0]), float(q[1]), heading, speed, float(v[5]), angle)
+
+    def wheels(self) -> Wheels:
+        """Speeds of the drive wheels, by their spins and the nominal radius."""
+        left, right, _ = (float(self.data.qvel[spin]) * self._nominal for spin in self._spins)
+        return Wheels(left, right)
 
     @property
     def lateral_speed(self) -> float:
@@ -110,33 +122,67 @@ class MujocoRobot:
         _, x, y, _ = self.data.qpos[3:7]
         return bool(1.0 - 2.0 * (x * x + y * y) < 0.5)
 
-    def step(self, command: Command) -> None:
+    def step(self, command: Command, push: Push | None = None) -> None:
         """One time step under a command; the steering command moves no faster than the servo may."""
         change = np.clip(command.steering_angle - self._slewed, -self._rate, self._rate)
         self._slewed += float(change)
-        self.data.ctrl[:] = self._slewed, command.torque_left, command.torque_right
+        angle = self._slewed + self._plant.steering_offset
+        self.data.ctrl[:] = angle, command.torque_left, command.torque_right
+        if push is not None:
+            self._push(push)
+        if self._plant.patches:
+            self._stand_on_patches()
         self._mujoco.mj_step(self.model, self.data)
+
+    def _push(self, push: Push) -> None:
+        """Accelerations of the whole mass as forces on the body's centre of mass."""
+        heading = self.measure().heading
+        cosine, sine = np.cos(heading), np.sin(heading)
+        along, aside = self._mass * push.acceleration, self._mass * push.aside
+        self.data.xfrc_applied[self._base] = (
+            along * cosine - aside * sine,
+            along * sine + aside * cosine,
+            0.0,
+            0.0,
+            0.0,
+            self._inertia * push.yaw_acceleration,
+        )
+
+    def _stand_on_patches(self) -> None:
+        """Give every tyre the friction of the ground below it."""
+        for tyre in self._tyres:
+            x, y, _ = self.data.geom_xpos[tyre]
+            friction = self._plant.friction
+            for patch in self._plant.patches:
+                inside = np.hypot(x - patch.x, y - patch.y) < patch.radius
+                friction = patch.friction if inside else friction
+            self.model.geom_friction[tyre, 0] = friction
 
 
 def mjcf(robot: Tricycle, plant: Mujoco, step: float) -> str:
     """The robot as an MJCF document (SI units, radians)."""
-    act, r, a = robot.actuators, robot.wheel_radius, robot.wheelbase
-    rolling = 0.5 * act.rolling_resistance * robot.weight * r
-    mass = robot.body_mass + plant.payload
-    turn, height = robot.body_inertia, robot.centre_height - r
-    wheel = (
-        f'<inertial pos="0 0 0" mass="{robot.wheel_mass}" '
-        f'diaginertia="{robot.wheel_yaw_inertia} {robot.wheel_inertia} {robot.wheel_yaw_inertia}"/>'
-        f'<geom type="sphere" size="{r}"/>'
-    )
+    real, act, a = plant.real(robot), robot.actuators, robot.wheelbase
+    r, mass, turn = real.wheel_radius, real.body_mass, robot.body_inertia
+    rolling = 0.5 * act.rolling_resistance * real.weight * r
+    height = robot.centre_height - r
+
+    def wheel(name: str) -> str:
+        yaw = robot.wheel_yaw_inertia
+        return (
+            f'<inertial pos="0 0 0" mass="{robot.wheel_mass}" '
+            f'diaginertia="{yaw} {robot.wheel_inertia} {yaw}"/>'
+            f'<geom name="{name} tyre" type="sphere" size="{r}" priority="1"/>'
+        )
+
     side = robot.track_width / 2.0
     drives = "".join(
         f'<body name="{name}" pos="0 {y} 0"><joint name="{name}" axis="0 1 0" '
-        f'frictionloss="{rolling}"/>{wheel}</body>'
+        f'frictionloss="{rolling}"/>{wheel(name)}</body>'
         for name, y in (("left", side), ("right", -side))
     )
-    gain = ARMATURE * act.steering_frequency**2
-    damping = 2.0 * act.steering_damping * act.steering_frequency * ARMATURE
+    frequency = act.steering_frequency * plant.servo
+    gain = ARMATURE * frequency**2
+    damping = 2.0 * act.steering_damping * frequency * ARMATURE
     limit = act.steering_angle_limit
     motors = "".join(
         f'<general name="{name}" joint="{name}" dyntype="filterexact" dynprm="{act.motor_lag}" '
@@ -164,7 +210,7 @@ def mjcf(robot: Tricycle, plant: Mujoco, step: float) -> str:
       <body name="fork" pos="{a} 0 0">
         <joint name="steering" axis="0 0 1" armature="{ARMATURE}"/>
         <inertial pos="0 0 0" mass="0.001" diaginertia="1e-6 1e-6 1e-6"/>
-        <body name="front"><joint name="front" axis="0 1 0"/>{wheel}</body>
+        <body name="front"><joint name="front" axis="0 1 0"/>{wheel("front")}</body>
       </body>
     </body>
   </worldbody>

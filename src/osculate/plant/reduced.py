@@ -7,7 +7,7 @@ from osculate.kernel import kernel
 from osculate.kernel.maths import atan, sincos
 from osculate.plant.contract import Plant, PlantPart, Push
 from osculate.vehicle.model import ReducedModel, driven_curvature, speed_rate
-from osculate.vehicle.motion import Command, Motion
+from osculate.vehicle.motion import Command, Motion, Wheels
 from osculate.vehicle.tricycle import Tricycle
 
 
@@ -26,6 +26,7 @@ class ReducedParameters(NamedTuple):
 
     model: ReducedModel
     at_rest: float  # 1/m, curvature that the steering is set to at standstill
+    half_track: float  # m, d / 2
 
 
 @kernel
@@ -62,6 +63,13 @@ def measure_reduced(state: ReducedState, p: ReducedParameters) -> Motion:
     )
 
 
+@kernel
+def reduced_wheels(state: ReducedState, p: ReducedParameters) -> Wheels:
+    """Rolling, eq. (3): v ∓ (d/2) ω."""
+    turn = p.half_track * state.yaw_rate
+    return Wheels(state.speed - turn, state.speed + turn)
+
+
 class Reduced(Plant):
     """The reduced dynamics, eq. (16): corrected, or with the coefficient as the paper prints it."""
 
@@ -77,6 +85,7 @@ class Reduced(Plant):
         return PlantPart(
             reduced_rates,
             measure_reduced,
-            ReducedParameters(self.model(robot), start.curvature),
+            reduced_wheels,
+            ReducedParameters(self.model(robot), start.curvature, 0.5 * robot.track_width),
             ReducedState(start.x, start.y, start.heading, start.speed, start.yaw_rate),
         )

@@ -11,12 +11,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from osculate.errors import InvalidInput
-from osculate.kernel import Tables, leaves, names
-from osculate.simulation.blocks import Finished, Report, final_run, last_row, run_block
+from osculate.kernel import Tables, names
+from osculate.simulation.blocks import (
+    Block,
+    Finished,
+    Report,
+    final_run,
+    last_row,
+    run_block,
+    single_block,
+)
 from osculate.simulation.loop import Loop, Setup, close_loop
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.run import make_setup
-from osculate.simulation.variables import ROW
+from osculate.simulation.variables import Variable, variables_of
 
 LANES = 64  # runs side by side in one block
 
@@ -30,8 +38,9 @@ class Batch:
         varied: What differed: name to values, shape (runs,).
         metrics: Metrics whose entries have shape (runs,).
         time: Times of the recorded steps (s), shape (rows,); empty without a record.
-        record: Shape (runs, rows, variables) in the order of `osculate.simulation.variables.ROW`;
-            after a run's end its last values are repeated. Empty without a record.
+        record: Shape (runs, rows, variables); after a run's end its last values are repeated. Empty
+            without a record.
+        variables: What the record holds, in order.
     """
 
     setup: Setup
@@ -39,6 +48,7 @@ class Batch:
     metrics: Metrics
     time: NDArray[np.float64]
     record: NDArray[np.float64]
+    variables: tuple[Variable, ...]
 
     @cached_property
     def data(self) -> Any:
@@ -103,18 +113,29 @@ def simulate_batch(
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
     """Names that ``vary`` of `simulate_batch` accepts for these parts."""
     loop = close_loop(make_setup(curve, robot, parts))
-    return [*names(loop.parameters), *(f"initial.{n}" for n in names(loop.initial.state))]
+    return sorted(_places(loop))
+
+
+def _places(loop: Loop) -> dict[str, list[tuple[int, int]]]:
+    """Name of a number to where a `Block` holds it: which of its arrays, and the row."""
+    places: dict[str, list[tuple[int, int]]] = {}
+    for array, value in ((1, loop.parameters), (3, loop.thought)):
+        for row, name in enumerate(names(value)):
+            if name.rpartition(".")[2] != "zero":
+                places.setdefault(name, []).append((array, row))
+    for row, name in enumerate(names(loop.initial.state)):
+        places[f"initial.{name}"] = [(0, row)]
+    return places
 
 
 def _run(loop: Loop, columns: "_Columns", start: int, every: int) -> Finished:
-    initial, parameters = columns.block(start)
-    return run_block(loop, initial, parameters, every)
+    return run_block(loop, columns.block(start), every)
 
 
 def _count(
     runs: int | None, given: Mapping[str, Any], varied: Mapping[str, NDArray[np.float64]]
 ) -> int:
-    lengths = {name: len(v) for name, v in given.items() if _is_list(v)}
+    lengths = {name: len(v) for name, v in given.items() if _is_list(name, v)}
     for name, values in varied.items():
         if values.ndim > 1:
             raise InvalidInput(f"vary[{name!r}]", values.shape, "must be one number for every run")
@@ -133,17 +154,20 @@ def _count(
     return count
 
 
-def _is_list(value: Any) -> bool:
+def _is_list(name: str, value: Any) -> bool:
+    """Whether a part is given for every run; the faults of one run are a tuple."""
+    if name == "faults":
+        return isinstance(value, list)
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
 def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
     """One loop if no argument is a list, else one for every run, all in the same tables."""
-    several = count if any(_is_list(v) for v in given.values()) else 1
+    several = count if any(_is_list(name, v) for name, v in given.items()) else 1
     tables = Tables()
     loops = []
     for n in range(several):
-        here = {name: v[n] if _is_list(v) else v for name, v in given.items()}
+        here = {name: v[n] if _is_list(name, v) else v for name, v in given.items()}
         setup = make_setup(here.pop("curve"), here.pop("robot", None), here)
         loops.append(close_loop(setup, tables))
         if loops[n].decide is not None:
@@ -167,29 +191,26 @@ class _Columns:
         self, loops: list[Loop], varied: Mapping[str, NDArray[np.float64]], count: int
     ) -> None:
         self.count, self.loops = count, loops
-        first = loops[0]
-        self.parameter_names = list(names(first.parameters))
-        self.initial_names = [f"initial.{name}" for name in names(first.initial.state)]
-        valid = {*self.parameter_names, *self.initial_names}
+        self.places = _places(loops[0])
         for name in varied:
-            if name not in valid:
+            if name not in self.places:
                 raise InvalidInput(
-                    f"vary[{name!r}]", name, f"unknown; valid: {', '.join(sorted(valid))}"
+                    f"vary[{name!r}]", name, f"unknown; valid: {', '.join(sorted(self.places))}"
                 )
         self.varied = {n: np.broadcast_to(v, (count,)) for n, v in varied.items()}
 
-    def block(self, start: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Initial runs and parameters of the lanes from run ``start``; the last one is repeated."""
+    def block(self, start: int) -> Block:
+        """The runs of the lanes from run ``start``; the last one is repeated."""
         index = np.minimum(np.arange(start, start + LANES), self.count - 1)
-        chosen = [self.loops[i if len(self.loops) > 1 else 0] for i in index]
-        initial = np.array([list(leaves(loop.initial)) for loop in chosen]).T.copy()
-        parameters = np.array([list(leaves(loop.parameters)) for loop in chosen]).T.copy()
+        if len(self.loops) == 1:
+            block = Block(*(np.repeat(a, LANES, axis=1) for a in single_block(self.loops[0])))
+        else:
+            columns = [single_block(self.loops[i]) for i in index]
+            block = Block(*(np.hstack(parts) for parts in zip(*columns, strict=True)))
         for name, values in self.varied.items():
-            if name in self.parameter_names:
-                parameters[self.parameter_names.index(name)] = values[index]
-            else:
-                initial[self.initial_names.index(name)] = values[index]
-        return initial, parameters
+            for array, row in self.places[name]:
+                block[array][row] = values[index]
+        return block
 
 
 def _collect(
@@ -199,7 +220,7 @@ def _collect(
     every: int,
 ) -> Batch:
     final = final_run(loop, np.concatenate([p[0] for p in pieces], axis=1))
-    last = last_row(np.concatenate([p[1] for p in pieces], axis=1))
+    last = last_row(loop, np.concatenate([p[1] for p in pieces], axis=1))
     curves = [c.setup.curve for c in columns.loops]
     lengths = np.array([curve.length for curve in curves])
     ends = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
@@ -208,7 +229,9 @@ def _collect(
     record = np.concatenate([_padded(p[2], rows) for p in pieces])
     clock = loop.setup.clock
     time = np.arange(rows) * (clock.step * every)
-    return Batch(loop.setup, dict(columns.varied), metrics, time, record)
+    variables = variables_of(loop.row)
+    record = record[..., : len(variables)]
+    return Batch(loop.setup, dict(columns.varied), metrics, time, record, variables)
 
 
 def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
@@ -219,4 +242,4 @@ def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
     return np.concatenate([record, np.repeat(record[:, -1:], missing, axis=1)], axis=1)
 
 
-__all__ = ["LANES", "ROW", "Batch", "simulate_batch", "variable_names"]
+__all__ = ["LANES", "Batch", "simulate_batch", "variable_names"]

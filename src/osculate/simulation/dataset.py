@@ -8,7 +8,7 @@ import numpy as np
 
 from osculate.simulation.loop import Setup
 from osculate.simulation.metrics import Metrics
-from osculate.simulation.variables import ROW
+from osculate.simulation.variables import BY_NAME
 
 if TYPE_CHECKING:
     import xarray
@@ -19,18 +19,29 @@ if TYPE_CHECKING:
 
 def attributes(setup: Setup) -> dict[str, str]:
     """The global attributes of a record: what was run, as JSON a scenario file could hold."""
-    parts = {name: part.model_dump(mode="json") for name, part in setup._asdict().items()}
-    return {"source": "osculate", "setup": json.dumps(parts)}
+    return {"source": "osculate", "setup": json.dumps(plain_parts(setup))}
+
+
+def plain_parts(setup: Setup) -> dict[str, Any]:
+    """The parts of a setup as plain data, by name."""
+
+    def plain(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return [plain(item) for item in part]
+        return None if part is None else part.model_dump(mode="json")
+
+    return {name: plain(part) for name, part in setup._asdict().items()}
 
 
 def run_dataset(run: "Run") -> "xarray.Dataset":
     """The record of one run over ``time``."""
     import xarray
 
-    time = ROW[0]
+    time = BY_NAME["time"]
+    known = (BY_NAME[name] for name in run.columns if name != "time")
     variables = {
         v.name: ("time", run.columns[v.name], {"units": v.unit, "long_name": v.long_name})
-        for v in ROW[1:]
+        for v in known
     }
     return xarray.Dataset(
         variables,
@@ -52,7 +63,7 @@ def batch_dataset(batch: "Batch") -> "xarray.Dataset":
     }
     series = {
         v.name: (("run", "time"), batch.record[..., n], {"units": v.unit, "long_name": v.long_name})
-        for n, v in enumerate(ROW)
+        for n, v in enumerate(batch.variables)
         if len(batch.time) and v.name != "time"
     }
     return xarray.Dataset(
@@ -71,7 +82,7 @@ def write_netcdf(run: "Run", path: Path) -> Path:
 
     with netcdf_file(path, "w", version=2) as file:
         file.createDimension("time", len(run.columns["time"]))
-        for v in ROW:
+        for v in (BY_NAME[name] for name in run.columns):
             variable = file.createVariable(v.name, np.dtype(">f8"), ("time",))
             variable[:] = run.columns[v.name]
             _label(variable, {"units": v.unit, "long_name": v.long_name})

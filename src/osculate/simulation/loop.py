@@ -1,6 +1,7 @@
 """A closed loop: one choice of every part, made once, before anything runs."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -8,26 +9,42 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control import Controller, ControlPart, CurvatureLaw, Errors, Start
+from osculate.control import Controller, ControlPart, CurvatureLaw, Ekf, Errors, Safety, Start
+from osculate.control.pilot import Insight, PilotPart, no_insight, no_stop, pilot_part
 from osculate.control.tracking import PathTracker
-from osculate.control.tracking.contract import survey
+from osculate.control.tracking.contract import Road, survey
 from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.curve import Curve, CurveTable, Pose, tabulate
 from osculate.curve.approach import plan_approach
 from osculate.curve.table import CELLS
 from osculate.errors import InvalidInput
-from osculate.kernel import Nothing, Tables, compose, leaves
-from osculate.plant import Disturbance, Mujoco, Plant, Reduced
+from osculate.kernel import Nothing, Tables, compose, leaves, zeros
+from osculate.plant import (
+    Disturbance,
+    Fault,
+    Mujoco,
+    Plant,
+    Push,
+    Reduced,
+    Sensors,
+    World,
+    world_of,
+)
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
+from osculate.plant.faults import HEARD
+from osculate.plant.sensors import sense_exactly, sense_noisily
+from osculate.plant.weather import blow_all, blow_nothing, impair, impair_nothing
 from osculate.simulation.clock import Clock, Continuous, Sampled
 from osculate.simulation.records import (
     RUNNING,
     Held,
+    Mind,
     Parameters,
     Progress,
     Row,
     State,
     Status,
+    Thought,
 )
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
@@ -38,6 +55,26 @@ RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
+
+
+def _blank(kind: Any) -> Any:
+    return kind(*[0.0] * len(kind._fields))
+
+
+#: A row of zeros: the shape of a record without insight.
+BLANK = Row(
+    0.0,
+    _blank(Motion),
+    _blank(Reference),
+    _blank(Command),
+    _blank(Errors),
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    Nothing(),
+)
+NOISES = ("position_noise", "heading_noise", "wheel_noise", "steering_noise", "gyro_noise")
 
 
 class InitialState(Spec):
@@ -91,6 +128,10 @@ class Setup(NamedTuple):
     clock: Clock = Continuous()
     initial: InitialState = InitialState()
     limits: Limits = Limits()
+    sensors: Sensors | None = None
+    estimator: Ekf | None = None
+    safety: Safety | None = None
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,40 +142,79 @@ class Loop:
     bindings: dict[str, Any]  # what the templates are composed with
     parameters: Parameters
     initial: Progress
+    mind: Any  # initial `Mind` of a sampled law, or nothing
+    thought: Any  # its `Thought`, or nothing
     tables: NDArray[np.float64]
     plan: SpeedPlan | None = None  # of a path tracker
     decide: Decide | None = None  # where steering decisions come from Python
+    row: Row = BLANK  # shape of its record
 
     @cached_property
-    def _engines(self) -> dict[int, Any]:
+    def _composed(self) -> dict[tuple[str, int], Any]:
         return {}
 
     def engine(self, lanes: int) -> Any:
         """The compiled engine for blocks of ``lanes`` runs."""
-        if lanes not in self._engines:
-            self._engines[lanes] = self._compose(lanes)
-        return self._engines[lanes]
+        return self._once("engine", lanes, self._compose_engine)
 
-    def _compose(self, lanes: int) -> Any:
-        world = "sampled" if isinstance(self.setup.clock, Sampled) else "continuous"
-        bindings = self.bindings
-        if world == "sampled":
-            law = "held" if self.plan is None else "tracked"
-            bindings = {**bindings, "step": compose(f"{TEMPLATES}.{law}", bindings).step}
-        dynamics = compose(f"{TEMPLATES}.{world}", bindings)
+    def decider(self, lanes: int) -> Any:
+        """The compiled decision of a sampled law for blocks of ``lanes`` runs."""
+        return self._once("decider", lanes, self._compose_decider)
+
+    def _once(self, what: str, lanes: int, make: Callable[[int], Any]) -> Any:
+        if (what, lanes) not in self._composed:
+            self._composed[what, lanes] = make(lanes)
+        return self._composed[what, lanes]
+
+    @property
+    def sampled(self) -> bool:
+        """Whether the law decides at instants."""
+        return isinstance(self.setup.clock, Sampled)
+
+    def _compose_engine(self, lanes: int) -> Any:
+        world = "sampled" if self.sampled else "continuous"
+        laws = () if self.sampled else ("control", "refer", "pace")
+        dynamics = compose(
+            f"{TEMPLATES}.{world}",
+            self._bound("measure", "plant_rates", "disturb", "perceive", *laws),
+        )
         stepper = compose(f"{TEMPLATES}.rk4", {"rates": dynamics.rates})
         return compose(
             f"{TEMPLATES}.engine",
             {
-                "decide": dynamics.decide,
+                "halted": dynamics.halted,
                 "hold": dynamics.hold,
+                "look": dynamics.look,
                 "respond": dynamics.respond,
                 "rk4": stepper.rk4,
                 "measure": self.bindings["measure"],
                 "LANES": lanes,
-                "SAMPLED": world == "sampled",
+                "LIKE": zeros(self.initial),
+                "LIKE_PARAMETERS": zeros(self.parameters),
+                "LIKE_ROW": zeros(self.row),
             },
         )
+
+    def _compose_decider(self, lanes: int) -> Any:
+        law, parts = (
+            ("tracked", ("pilot",)) if self.plan else ("held", ("control", "refer", "pace"))
+        )
+        step = compose(f"{TEMPLATES}.{law}", self._bound(*parts)).step
+        names = ("measure", "wheels", "perceive", "sense", "blow", "impair", "insight", "stop")
+        return compose(
+            f"{TEMPLATES}.deciding",
+            {
+                **self._bound(*names),
+                "step": step,
+                "LANES": lanes,
+                "LIKE": zeros(self.initial),
+                "LIKE_MIND": zeros(self.mind),
+                "LIKE_THOUGHT": zeros(self.thought),
+            },
+        )
+
+    def _bound(self, *names: str) -> dict[str, Any]:
+        return {name: self.bindings[name] for name in names}
 
 
 def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
@@ -167,29 +247,28 @@ def _close_target(setup: Setup, tables: Tables) -> Loop:
         "path_end": math.inf,
         "deadline": math.inf if target.follows_path else target.pace.duration,
     }
-    bindings = {"control": control.control, "refer": target.refer, "pace": target.pace.pace}
+    bindings = {
+        "control": control.control, "refer": target.refer, "pace": target.pace.pace,
+        "insight": no_insight, "stop": no_stop,
+    }  # fmt: skip
     return _assemble(setup, table, start, control, parts, bindings, tables, None)
 
 
 def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     """A law that follows the curve itself at the speeds of a plan."""
-    curve, robot, clock = setup.curve, setup.robot, setup.clock
-    if not isinstance(clock, Sampled):
-        raise InvalidInput(
-            "clock", clock, "a path tracker decides at instants; must be Sampled(...)"
-        )
     if isinstance(setup.plant, Mujoco):
         raise InvalidInput("plant", setup.plant, "runs one robot at a time; use simulate")
     if isinstance(setup.plant, Reduced):
         raise InvalidInput(
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"
         )
+    clock = sampled_clock(setup)
     setup = with_approach(setup)
     curve = setup.curve
     delay = round(clock.delay / clock.period)
-    road, plan = survey(curve, robot, setup.limits, clock.period, delay, tables)
+    road, plan = survey(curve, setup.robot, setup.limits, clock.period, delay, tables)
     start = setup.initial.on(curve)
-    control = law.tracking_part(road, start, setup.initial.arc_length)
+    pilot = make_pilot(setup, road, start)
     parts = {
         "pace": Nothing(),
         "target": Nothing(),
@@ -197,12 +276,57 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "path_end": curve.length,
         "deadline": math.inf,
     }
-    loop = _assemble(
-        setup, road.curve, start, control, parts, {"track": control.control}, tables, plan
-    )
+    bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
+    loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
+
+
+def sampled_clock(setup: Setup) -> Sampled:
+    """The clock of a path tracker.
+
+    Raises:
+        InvalidInput: A continuous one.
+    """
+    if not isinstance(setup.clock, Sampled):
+        message = "a path tracker decides at instants; must be Sampled(...)"
+        raise InvalidInput("clock", setup.clock, message)
+    return setup.clock
+
+
+def make_pilot(setup: Setup, road: Road, start: Start) -> PilotPart:
+    """Tracker, estimator and safety layer of a setup.
+
+    Raises:
+        InvalidInput: A law from Python behind an estimator.
+    """
+    law = setup.controller
+    assert isinstance(law, PathTracker)
+    if setup.sensors is not None and isinstance(law, ExternalTracker):
+        raise InvalidInput("sensors", setup.sensors, "a law from Python needs exact motions")
+    return pilot_part(
+        law, road, start, setup.initial.arc_length, motion_at(setup, start), estimator_of(setup),
+        setup.safety,
+    )  # fmt: skip
+
+
+def motion_at(setup: Setup, start: Start) -> Motion:
+    """The motion of a robot at its start."""
+    angle = math.atan(setup.robot.wheelbase * start.curvature)
+    return Motion(start.x, start.y, start.heading, start.speed, start.yaw_rate, angle)
+
+
+def estimator_of(setup: Setup) -> Ekf | None:
+    """The estimator of noisy sensors: the setup's own, or one that knows their noise."""
+    sensors = setup.sensors
+    if sensors is None:
+        return None
+    if setup.estimator is not None:
+        return setup.estimator
+    noises = {name: max(getattr(sensors, name), 1e-6) for name in NOISES}
+    period = setup.clock.period if isinstance(setup.clock, Sampled) else 0.0
+    return Ekf(**noises, history=sensors.latest + 2.0 * period)
 
 
 def with_approach(setup: Setup) -> Setup:
@@ -238,24 +362,35 @@ def _assemble(
     setup: Setup,
     table: CurveTable,
     start: Start,
-    control: ControlPart,
+    control: ControlPart | PilotPart,
     parts: dict[str, Any],
     bindings: dict[str, Any],
     tables: Tables,
     plan: SpeedPlan | None,
 ) -> Loop:
     clock = setup.clock
-    plant = setup.plant.part(setup.robot, start)
+    world = checked_world(setup)
+    plant = world.plant.part(setup.robot, start)
     sampled = isinstance(clock, Sampled)
+    around = surroundings(setup, world)
+    law = {"pace": parts.pop("pace"), "target": parts.pop("target"), "control": control.parameters}
     parameters = Parameters(
         plant=plant.parameters,
         disturbance=setup.disturbance.parameters(),
-        control=control.parameters,
         curve=table,
-        delay=float(clock.delay_steps),
+        delay=float(clock.delay_steps + round(world.delay / clock.step)),
         speed_limit=SPEED_LIMIT,
         settled=setup.initial.settled,
         **parts,
+        **(dict.fromkeys(law, Nothing()) if sampled else law),
+    )
+    thought = Thought(
+        plant=plant.parameters,
+        sensors=around.sensors,
+        blows=around.blows,
+        impairment=around.impairment,
+        curve=table,
+        **law,
     )
     rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
     place = setup.initial.arc_length
@@ -265,24 +400,87 @@ def _assemble(
         TargetMemory(place, float(setup.curve.at(place).heading)),
         Nothing() if sampled else control.memory,
     )
-    held = (
-        Held(control.memory, _blank(Reference), Errors(0.0, 0.0, 0.0), (rest,) * _slots(clock))
-        if isinstance(clock, Sampled)
-        else Nothing()
-    )
+    insight: Any = Nothing()
+    if bindings["insight"] is not no_insight:
+        motion = motion_at(setup, start)
+        insight = Insight(motion.x, motion.y, motion.heading, motion.speed, 0.0)
+    held: Any = Nothing()
+    if isinstance(clock, Sampled):
+        slots = _slots(clock, world.delay)
+        held = Held(
+            Push(0.0, 0.0, 0.0, 0.0), insight, _blank(Reference), Errors(0.0, 0.0, 0.0), 0.0,
+            (rest,) * slots,
+        )  # fmt: skip
     shared = {
         "disturb": disturb,
         "perceive": perceive,
         "measure": plant.measure,
         "plant_rates": plant.rates,
+        "wheels": plant.wheels,
+        **around.bindings,
     }
-    initial = Progress(state, held, empty_tally(place), Status(RUNNING, 0.0))
-    return Loop(setup, {**bindings, **shared}, parameters, initial, tables.array, plan)
+    initial = Progress(state, empty_tally(place), Status(RUNNING, 0.0), held)
+    row = BLANK._replace(insight=insight)
+    mind = Mind(control.memory, around.memory) if sampled else Nothing()
+    return Loop(
+        setup, {**bindings, **shared}, parameters, initial, mind, thought if sampled else Nothing(),
+        tables.array, plan, row=row,
+    )  # fmt: skip
 
 
-def blank_row() -> Row:
-    """A row of zeros: the shape of a record."""
-    return Row(0.0, _blank(Motion), _blank(Reference), _blank(Command), _blank(Errors), *[0.0] * 4)
+class Surroundings(NamedTuple):
+    """What a sampled law sees and suffers: kernels by their names in templates, and their numbers."""
+
+    bindings: dict[str, Any]
+    sensors: Any
+    memory: Any  # of the sensors
+    blows: Any
+    impairment: Any
+
+
+def surroundings(setup: Setup, world: World) -> Surroundings:
+    """Sensors, pushes and actuator faults of a setup."""
+    clock = setup.clock
+    sensors: Any = Nothing()
+    memory: Any = Nothing()
+    bindings = {"sense": sense_exactly, "blow": blow_nothing, "impair": impair_nothing}
+    if setup.sensors is not None and isinstance(clock, Sampled):
+        sensors, memory = setup.sensors.part(clock.period, world.outages)
+        bindings["sense"] = sense_noisily
+    if world.calm:
+        return Surroundings(bindings, sensors, memory, Nothing(), Nothing())
+    bindings |= {"blow": blow_all, "impair": impair}
+    return Surroundings(bindings, sensors, memory, world.padded_blows, world.impairment)
+
+
+def checked_world(setup: Setup) -> World:
+    """The plant with all faults.
+
+    Raises:
+        InvalidInput: Faults, sensors or a safety layer where they have no effect.
+    """
+    world = world_of(setup.plant, setup.faults)
+    sampled = isinstance(setup.clock, Sampled)
+    if not sampled and (world.delay > 0.0 or not world.calm):
+        raise InvalidInput("faults", setup.faults, "act at instants; clock must be Sampled(...)")
+    if setup.sensors is None and world.outages != HEARD:
+        raise InvalidInput("faults", setup.faults, "a sensor fails: sensors must be Sensors(...)")
+    for name in ("sensors", "estimator", "safety"):
+        value = getattr(setup, name)
+        if value is not None and not isinstance(setup.controller, PathTracker):
+            raise InvalidInput(name, value, "needs a path tracker as controller")
+    if setup.estimator is not None and setup.sensors is None:
+        raise InvalidInput("estimator", setup.estimator, "needs sensors: Sensors(...)")
+    if isinstance(setup.clock, Sampled):
+        ratio = world.delay / setup.clock.step
+        if abs(ratio - round(ratio)) > 1e-6:
+            message = f"must add up to a multiple of step = {setup.clock.step:g} s"
+            raise InvalidInput("faults.delay", world.delay, message)
+    longest = world.plant.longest_step(setup.robot)
+    if setup.clock.step > longest:
+        message = f"too large for this plant; must be at most {longest:.3g} s"
+        raise InvalidInput("clock.step", setup.clock.step, message)
+    return world
 
 
 def size(value: Any) -> int:
@@ -290,11 +488,7 @@ def size(value: Any) -> int:
     return sum(1 for _ in leaves(value))
 
 
-def _blank(kind: Any) -> Any:
-    return kind(*[0.0] * len(kind._fields))
-
-
-def _slots(clock: Sampled) -> int:
+def _slots(clock: Sampled, added: float) -> int:
     """Commands to remember: a power of two, so that few delays need machine code of their own."""
-    needed = -(-clock.delay_steps // clock.substeps) + 1
+    needed = -(-(clock.delay_steps + round(added / clock.step)) // clock.substeps) + 1
     return max(2, 1 << (needed - 1).bit_length())

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, Progress, Row
+from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED, Progress, Row
 
-ENDINGS = {RUNNING: "time", FINISHED: "path end", DIVERGED: "diverged"}
+ENDINGS = {RUNNING: "time", FINISHED: "path end", DIVERGED: "diverged", STOPPED: "safety stop"}
 
 
 def _metric(unit: str, label: str) -> Any:

@@ -1,4 +1,4 @@
-"""Runs in MuJoCo: the compiled tracker at its own rate, the physics engine at its own.
+"""Runs in MuJoCo: the compiled pilot at its own rate, the physics engine at its own.
 
 The record and the metrics are those of every run; positions and speeds are MuJoCo's.
 """
@@ -10,21 +10,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.tracking import PathTracker, Stepper
+from osculate.control import Start, Stepper
+from osculate.control.pilot import Insight
+from osculate.control.safety import REASONS
+from osculate.control.tracking import PathTracker
 from osculate.control.tracking.contract import foot_of
 from osculate.errors import InvalidInput
-from osculate.kernel import leaves
-from osculate.plant import Mujoco
+from osculate.kernel import Nothing, compose, leaves, rebuild, zeros
+from osculate.plant import Mujoco, Push, World
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report
 from osculate.simulation.clock import Sampled
-from osculate.simulation.loop import SPEED_LIMIT, Setup, blank_row, with_approach
+from osculate.simulation.loop import (
+    BLANK,
+    SPEED_LIMIT,
+    TEMPLATES,
+    Setup,
+    Surroundings,
+    checked_world,
+    estimator_of,
+    motion_at,
+    sampled_clock,
+    surroundings,
+    with_approach,
+)
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.records import Row
 from osculate.simulation.run import Run, clearance_of
-from osculate.simulation.variables import ROW
+from osculate.simulation.templates.engine import STANDSTILL
+from osculate.simulation.variables import variables_of
 from osculate.target import Reference
 from osculate.vehicle import Command, Motion
+from osculate.vehicle.measurement import NO_FIX, Measurement
 
 REPORTS = 100  # calls of the progress function
 
@@ -33,74 +50,155 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     """Run a path tracker in MuJoCo.
 
     Raises:
-        InvalidInput: A law that is no path tracker, or a clock that is not sampled.
+        InvalidInput: A law that is no path tracker, a clock that is not sampled, what MuJoCo has not.
         MissingExtra: MuJoCo is not installed.
     """
-    law, clock, plant = setup.controller, setup.clock, setup.plant
-    assert isinstance(plant, Mujoco)
-    if not isinstance(law, PathTracker):
-        raise InvalidInput("controller", law, "must be a path tracker on this plant")
-    if not isinstance(clock, Sampled):
-        raise InvalidInput(
-            "clock", clock, "a path tracker decides at instants; must be Sampled(...)"
-        )
+    if not isinstance(setup.controller, PathTracker):
+        raise InvalidInput("controller", setup.controller, "must be a path tracker on this plant")
+    clock = sampled_clock(setup)
+    world = checked_world(setup)
+    if setup.disturbance != type(setup.disturbance)():
+        message = "acts on equations, not on bodies; give faults=(Gusts(...), Shove(...))"
+        raise InvalidInput("disturbance", setup.disturbance, message)
     setup = with_approach(setup)
     start = setup.initial.on(setup.curve)
-    robot = plant.robot(setup.robot, start, clock.step)
-    stepper = Stepper(
-        law, setup.curve, setup.robot, setup.limits, period=clock.period,
-        delay=round(clock.delay / clock.period) * clock.period, motion=robot.measure(),
-        progress=setup.initial.arc_length,
-    )  # fmt: skip
-    rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
-    pipe: deque[Command] = deque([rest] * (clock.delay_steps + 1), maxlen=clock.delay_steps + 1)
-    decided, rows, travelled, ended = rest, [], 0.0, "time"
+    drive = _Drive(setup, world, clock, start)
+    ended = "time"
     for n in range(clock.steps + 1):
-        motion = robot.measure()
-        if n % clock.substeps == 0:
-            decided = stepper.step(motion)
-            if report and n % max(1, clock.steps // REPORTS) < clock.substeps:
-                report(n / clock.steps)
-        pipe.append(decided)
-        rows.append(_row(n * clock.step, motion, pipe[0], stepper, travelled))
-        if not np.isfinite(motion).all() or abs(motion.speed) > SPEED_LIMIT or robot.tipped:
-            rows.pop()
-            ended = "diverged"
+        if report and n % max(1, clock.steps // REPORTS) == 0:
+            report(n / clock.steps)
+        ended = drive.observe(n)
+        if ended != "time":
             break
-        if rows[-1][_FOOT] >= stepper.length:
-            ended = "path end"
-            break
-        robot.step(pipe[0])
-        travelled += clock.step * motion.speed
-    columns = {v.name: c for v, c in zip(ROW, np.array(rows).T.copy(), strict=True)}
+        drive.advance()
+    columns = drive.columns()
     metrics = _metrics(setup, scene, columns, ended)
-    return Run(setup, scene, columns, metrics, _message(columns, ended), stepper.plan)
+    return Run(setup, scene, columns, metrics, _message(columns, ended), drive.stepper.plan)
 
 
-_FOOT = list(Row._fields).index("foot") - len(Row._fields)  # the last leaves are single numbers
+class _Drive:
+    """One run under way."""
+
+    def __init__(self, setup: Setup, world: World, clock: Sampled, start: Start) -> None:
+        plant, law = world.plant, setup.controller
+        assert isinstance(plant, Mujoco)
+        assert isinstance(law, PathTracker)
+        self.clock = clock
+        self.robot = plant.robot(setup.robot, start, clock.step)
+        self.senses = _Senses(surroundings(setup, world))
+        self.stepper = Stepper(
+            law, setup.curve, setup.robot, setup.limits, period=clock.period,
+            delay=round(clock.delay / clock.period) * clock.period, motion=motion_at(setup, start),
+            progress=setup.initial.arc_length, estimator=estimator_of(setup), safety=setup.safety,
+        )  # fmt: skip
+        self.watched = setup.sensors is not None or setup.safety is not None
+        rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
+        waits = clock.delay_steps + round(world.delay / clock.step) + 1
+        self.pipe: deque[Command] = deque([rest] * waits, maxlen=waits)
+        self.told, self.push = rest, Push(0.0, 0.0, 0.0, 0.0)
+        self.progress, self.travelled = setup.initial.arc_length, 0.0
+        self.insight: Any = Nothing()
+        self.wanted = 0.0  # m/s, speed that the law aims at
+        self.rows: list[list[float]] = []
+
+    def observe(self, n: int) -> str:
+        """Decide if it is time to, keep a row; whether and how the run has ended."""
+        motion = self.robot.measure()
+        t = n * self.clock.step
+        if n % self.clock.substeps == 0:
+            self._decide(t, motion)
+        self.pipe.append(self.told)
+        if not np.isfinite(motion).all() or abs(motion.speed) > SPEED_LIMIT or self.robot.tipped:
+            return "diverged"
+        row = self._row(t, motion)
+        self.rows.append(list(leaves(row)))
+        self.progress = row.foot
+        if row.foot >= self.stepper.length:
+            return "path end"
+        stopped = self.stepper.stopping and abs(motion.speed) < STANDSTILL
+        return "safety stop" if stopped else "time"
+
+    def _decide(self, t: float, motion: Motion) -> None:
+        seen = self.senses.sense(motion, self.robot.wheels())
+        decided = self.stepper.step(seen)
+        self.wanted = self.stepper.memory.speed.model
+        self.told, self.push = self.senses.act(t, motion, self.told, decided)
+        if not self.watched:
+            return
+        belief, alarm = self.stepper.belief, float(self.stepper.intervention)
+        m = motion if belief is None else belief.mean
+        self.insight = Insight(m.x, m.y, m.heading, m.speed, alarm)
+
+    def advance(self) -> None:
+        """One step of the engine."""
+        before = self.robot.measure().speed
+        self.robot.step(self.pipe[0], self.push)
+        self.travelled += self.clock.step * before
+
+    def _row(self, time: float, motion: Motion) -> Row:
+        stepper = self.stepper
+        foot = foot_of(
+            motion.x, motion.y, motion.heading, self.progress, stepper.table, stepper.tables
+        )
+        bend, wanted = foot.curvature, self.wanted
+        reference = Reference(
+            wanted, 0.0, 0.0, bend * motion.speed, 0.0, 0.0, bend,
+            motion.heading - foot.heading_error,
+        )  # fmt: skip
+        errors = BLANK.errors._replace(
+            heading=foot.heading_error,
+            yaw_rate=motion.yaw_rate - bend * motion.speed,
+            speed=motion.speed - wanted,
+        )
+        return Row(
+            time, motion, reference, self.pipe[0], errors, self.travelled, foot.arc_length,
+            foot.aside, foot.heading_error, self.insight,
+        )  # fmt: skip
+
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """The record by the names of its variables."""
+        known = variables_of(BLANK._replace(insight=self.insight))
+        table = np.array(self.rows).T.copy()
+        return {v.name: c for v, c in zip(known, table, strict=False)}
 
 
-def _row(
-    time: float, motion: Motion, command: Command, stepper: Stepper, travelled: float
-) -> list[float]:
-    memory = stepper.memory
-    foot = foot_of(
-        motion.x, motion.y, motion.heading, memory.progress, stepper.table, stepper.tables
-    )
-    bend, wanted = foot.curvature, memory.speed.model
-    reference = Reference(
-        wanted, 0.0, 0.0, bend * motion.speed, 0.0, 0.0, bend, motion.heading - foot.heading_error
-    )
-    errors = blank_row().errors._replace(
-        heading=foot.heading_error,
-        yaw_rate=motion.yaw_rate - bend * motion.speed,
-        speed=motion.speed - wanted,
-    )
-    row = Row(
-        time, motion, reference, command, errors, travelled, foot.arc_length, foot.aside,
-        foot.heading_error,
-    )  # fmt: skip
-    return list(leaves(row))
+class _Senses:
+    """The compiled sensors, pushes and actuator faults of one run."""
+
+    def __init__(self, around: Surroundings) -> None:
+        self._noisy = around.sensors != Nothing()
+        likes = {
+            "LIKE_SENSORS": around.sensors, "LIKE_MEMORY": around.memory,
+            "LIKE_BLOWS": around.blows, "LIKE_IMPAIRMENT": around.impairment,
+        }  # fmt: skip
+        shapes = {name: zeros(value) for name, value in likes.items()}
+        self._engine = compose(f"{TEMPLATES}.surroundings", {**around.bindings, **shapes})
+        self._sensors, self._memory, self._blows, self._impairment = map(_column, likes.values())
+        nothing = Motion(*[0.0] * 6)
+        self._seen = _column(Measurement(0.0, 0.0, 0.0, 0.0, NO_FIX) if self._noisy else nothing)
+        self._push = np.zeros((4, 1))
+
+    def sense(self, motion: Motion, wheels: Any) -> Any:
+        """What is reported: a `Measurement`, or the motion itself."""
+        if not self._noisy:
+            return motion
+        self._engine.sense_once(
+            _column(motion), _column(wheels), self._memory, self._sensors, self._seen
+        )
+        values = iter(self._seen[:, 0].tolist())
+        return rebuild(Measurement(0.0, 0.0, 0.0, 0.0, NO_FIX), values)
+
+    def act(self, t: float, motion: Motion, before: Command, decided: Command) -> Any:
+        """What the actuators are told, and what pushes the robot."""
+        told = _column(decided)
+        self._engine.act_once(
+            t, _column(motion), _column(before), told, self._blows, self._impairment, self._push
+        )
+        return Command(*told[:, 0].tolist()), Push(*self._push[:, 0].tolist())
+
+
+def _column(value: Any) -> NDArray[np.float64]:
+    return np.array(list(leaves(value)), dtype=float).reshape(-1, 1)
 
 
 def _metrics(setup: Setup, scene: Scene, c: dict[str, NDArray[np.float64]], ended: str) -> Metrics:
@@ -138,6 +236,9 @@ def _message(c: dict[str, NDArray[np.float64]], ended: str) -> str:
     time, speed = c["time"][-1], c["speed"][-1]
     if ended == "path end":
         return f"reached the end of the path at t = {time:.3f} s, moving at {speed:.3f} m/s"
+    if ended == "safety stop":
+        reason, place = REASONS[int(c["intervention"][-1])], c["foot"][-1]
+        return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {reason}"
     if ended == "diverged":
         return f"diverged after t = {time:.3f} s: the robot tipped over or left all bounds"
     return f"ended after its duration of {time:.3f} s, {c['arc_length'][-1]:.4f} m on the path"

@@ -4,13 +4,17 @@ from typing import Any, NamedTuple
 
 from osculate.control.contract import Errors
 from osculate.curve.table import CurveTable
+from osculate.plant.contract import Push
 from osculate.simulation.tally import Tally
 from osculate.target.contract import Reference, TargetMemory
 from osculate.vehicle.motion import Command, Motion
 
 
 class Parameters(NamedTuple):
-    """Everything that may differ between two runs of one closed loop."""
+    """Everything about a robot's world that may differ between two runs of one closed loop.
+
+    A law that is integrated together with the plant has its parameters here, a sampled one in `Thought`.
+    """
 
     plant: Any
     disturbance: Any
@@ -26,21 +30,43 @@ class Parameters(NamedTuple):
     speed_limit: float  # m/s, beyond which a run counts as diverged
 
 
+class Thought(NamedTuple):
+    """Likewise everything that matters when a sampled law decides."""
+
+    plant: Any
+    sensors: Any
+    blows: Any  # what pushes the robot
+    impairment: Any
+    pace: Any
+    target: Any
+    control: Any
+    curve: CurveTable
+
+
+class Mind(NamedTuple):
+    """What a sampled law and its sensors remember from one instant to the next."""
+
+    memory: Any
+    sensors: Any
+
+
 class State(NamedTuple):
     """State of the closed loop: what is integrated."""
 
     plant: Any
     disturbance: Any
     target: TargetMemory
-    control: Any  # nothing when the law is sampled: then its memory is in `Held`
+    control: Any  # nothing when the law is sampled: then its memory is in `Mind`
 
 
 class Held(NamedTuple):
-    """What a sampled law keeps between two instants."""
+    """What was decided at the last instant and acts until the next one."""
 
-    memory: Any
+    push: Push  # of all blows
+    insight: Any  # `Insight` of a pilot, or nothing
     reference: Reference
     errors: Errors
+    stop: float  # reason for which the law stops the robot for good; 0 is none
     commands: Any  # tuple of the last commands decided, the newest first
 
 
@@ -48,6 +74,8 @@ class Action(NamedTuple):
     """What a sampled law's last decisions amount to now: constant during a step."""
 
     command: Command
+    push: Push
+    insight: Any
     reference: Reference
     errors: Errors
 
@@ -55,20 +83,28 @@ class Action(NamedTuple):
 class Status(NamedTuple):
     """Whether a run still goes on, and where its clock stands."""
 
-    code: float  # RUNNING, FINISHED or DIVERGED
+    code: float  # RUNNING, FINISHED, DIVERGED or STOPPED
     time: float  # s, of the state held
 
 
-RUNNING, FINISHED, DIVERGED = 0.0, 1.0, 2.0
+RUNNING, FINISHED, DIVERGED, STOPPED = 0.0, 1.0, 2.0, 3.0
+
+
+class Moved(NamedTuple):
+    """What changes in every step: the beginning of a `Progress`, which is stored alone."""
+
+    state: State
+    tally: Tally
+    status: Status
 
 
 class Progress(NamedTuple):
     """A run at one instant."""
 
     state: State
-    held: Any  # `Held` when the law is sampled
     tally: Tally
     status: Status
+    held: Any  # `Held` when the law is sampled
 
 
 class Row(NamedTuple):
@@ -83,3 +119,4 @@ class Row(NamedTuple):
     foot: float  # m, arc length of the nearest point
     cross_track: float  # m
     heading_error: float  # rad, robot minus curve
+    insight: Any  # what a pilot believed and did, or nothing

@@ -4,26 +4,51 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control import Controller, PathTracker
+from osculate.control import Controller, Ekf, PathTracker, Safety
+from osculate.control.safety import REASONS
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
-from osculate.kernel import store
-from osculate.plant import Actuated, Disturbance, Mujoco, Plant
+from osculate.plant import Actuated, Disturbance, Fault, Mujoco, Plant, Sensors
 from osculate.scene import Scene
-from osculate.simulation.blocks import Report, final_run, last_row, run_block
+from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
-from osculate.simulation.external import run_with_decisions
-from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
+from osculate.simulation.loop import InitialState, Loop, Setup, close_loop
 from osculate.simulation.metrics import Metrics, summarise
-from osculate.simulation.records import DIVERGED, FINISHED
-from osculate.simulation.variables import ROW
+from osculate.simulation.records import DIVERGED, FINISHED, STOPPED
+from osculate.simulation.variables import variables_of
 from osculate.target import Limits, SpeedPlan, Target
 from osculate.vehicle import Tricycle
+
+
+class Intervention(NamedTuple):
+    """One time during which the safety layer changed what the robot does."""
+
+    begin: float  # s
+    end: float  # s
+    reason: str
+
+
+def list_interventions(
+    time: NDArray[np.float64], numbers: NDArray[np.float64]
+) -> list[Intervention]:
+    """The interventions of a record.
+
+    Args:
+        time: Shape (n,).
+        numbers: Reasons, shape (n,); 0 is none.
+    """
+    edges = np.flatnonzero(np.diff(numbers)) + 1
+    begins, ends = [0, *edges], [*edges, len(numbers)]
+    return [
+        Intervention(float(time[b]), float(time[e - 1]), REASONS[int(numbers[b])])
+        for b, e in zip(begins, ends, strict=True)
+        if numbers[b] > 0.0
+    ]
 
 
 @dataclass(frozen=True)
@@ -50,6 +75,12 @@ class Run:
     def diverged(self) -> bool:
         """Whether the run had to be stopped; the record then ends with the last finite state."""
         return bool(self.metrics.ended == "diverged")
+
+    @property
+    def interventions(self) -> "list[Intervention]":
+        """What the safety layer did, in order; empty without one."""
+        numbers = self.columns.get("intervention")
+        return [] if numbers is None else list_interventions(self.columns["time"], numbers)
 
     @cached_property
     def clearance(self) -> NDArray[np.float64]:
@@ -108,9 +139,10 @@ def simulate(
         robot: The robot; by default the paper's.
         scene: Obstacles, for the clearance.
         report: Called with the fraction of the run that is done.
-        **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``, ``limits``;
-            whatever is left out is the paper's; a path tracker drives the actuated robot at 100 Hz,
-            10 ms late, if neither plant nor clock is given.
+        **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``, ``limits``,
+            ``sensors``, ``estimator``, ``safety``, ``faults`` (a tuple). Whatever is left out is the
+            paper's; a path tracker drives the actuated robot at 100 Hz, 10 ms late, if neither plant
+            nor clock is given.
 
     Returns:
         The run. A run that diverges is not an error: it stops, keeps its record and says so.
@@ -132,6 +164,7 @@ TRACKER_WORLD = {
     "clock": Sampled(period=0.01, delay=0.01, duration=600.0),
 }
 
+OPTIONAL = ("sensors", "estimator", "safety")
 PARTS = {
     "curve": Curve,
     "robot": Tricycle,
@@ -142,6 +175,10 @@ PARTS = {
     "clock": Clock,
     "initial": InitialState,
     "limits": Limits,
+    "sensors": Sensors,
+    "estimator": Ekf,
+    "safety": Safety,
+    "faults": tuple,
 }
 
 
@@ -155,32 +192,32 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
         if name not in Setup._fields:
             raise InvalidInput(name, value, f"unknown part; valid: {', '.join(defaults)}")
         expected = PARTS[name]
+        if name in OPTIONAL and value is None:
+            continue
         if not isinstance(value, expected):
             raise InvalidInput(name, value, f"must be a {expected.__name__}")
+    for fault in named.get("faults", ()):
+        if not isinstance(fault, Fault):
+            raise InvalidInput("faults", fault, "must be a Fault")
     return Setup(**named)
 
 
 def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     """Run a closed loop once, recording every step."""
-    runs = np.empty((size(loop.initial), 1))
-    parameters = np.empty((size(loop.parameters), 1))
-    store(loop.initial, runs, 0)
-    store(loop.parameters, parameters, 0)
-    if loop.decide is None:
-        done = run_block(loop, runs, parameters, every=1, report=report)
-    else:
-        done = run_with_decisions(loop, runs, parameters, report)
+    done = run_block(loop, single_block(loop), every=1, report=report)
     final: Any = final_run(loop, done.runs)
     code = float(final.status.code[0])
     # the landing adds a sample of its own, except to a run that diverged
     alive = int(final.tally.samples[0]) - (code != DIVERGED)
     rows = np.concatenate([done.record[:alive, :, 0], done.last.T])
     fresh = np.concatenate([[True], np.diff(rows[:, 0]) > 0.0])
-    columns = {v.name: np.ascontiguousarray(rows[fresh, n]) for n, v in enumerate(ROW)}
+    columns = {
+        v.name: np.ascontiguousarray(rows[fresh, n]) for n, v in enumerate(variables_of(loop.row))
+    }
     curve = loop.setup.curve
     end = curve.at(curve.length)
     on_time = loop.parameters.deadline < math.inf
-    many = summarise(final, last_row(done.last), curve.length, (float(end.x), float(end.y)))
+    many = summarise(final, last_row(loop, done.last), curve.length, (float(end.x), float(end.y)))
     single = {
         name: None if value is None else np.asarray(value).item()
         for name, value in many.as_dict().items()
@@ -211,6 +248,10 @@ def _message(code: float, on_time: bool, columns: dict[str, NDArray[np.float64]]
     if code == FINISHED:
         what = "completed its timetable" if on_time else "reached the end of the path"
         return f"{what} at t = {time:.3f} s, moving at {speed:.3f} m/s"
+    if code == STOPPED:
+        reason = REASONS[int(columns["intervention"][-1])]
+        place = columns["foot"][-1]
+        return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {reason}"
     if code == DIVERGED:
         return (
             f"diverged after t = {time:.3f} s: the next state is not finite or beyond the speed "

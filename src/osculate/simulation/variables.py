@@ -2,8 +2,9 @@
 
 from typing import NamedTuple
 
-from osculate.kernel import names
-from osculate.simulation.loop import blank_row
+from osculate.kernel import Nothing, names
+from osculate.simulation.loop import BLANK
+from osculate.simulation.records import Row
 
 
 class Variable(NamedTuple):
@@ -51,7 +52,24 @@ VARIABLES = {
     "foot": Variable("foot", "m", "arc length of the nearest point of the curve"),
     "cross_track": Variable("cross_track_error", "m", "signed distance from the curve, left > 0"),
     "heading_error": Variable("heading_error", "rad", "heading minus the curve's"),
+    "insight.x": Variable("estimated_x", "m", "estimated position, x, at the last decision"),
+    "insight.y": Variable("estimated_y", "m", "estimated position, y, at the last decision"),
+    "insight.heading": Variable("estimated_heading", "rad", "estimated heading"),
+    "insight.speed": Variable("estimated_speed", "m/s", "estimated speed"),
+    "insight.intervention": Variable(
+        "intervention", "1", "number of the safety layer's reason, 0 is none"
+    ),
 }
 
-#: The variables in the order of a row's leaves.
-ROW = tuple(VARIABLES[leaf] for leaf in names(blank_row()))
+#: Every variable by its public name.
+BY_NAME = {variable.name: variable for variable in VARIABLES.values()}
+
+
+def variables_of(row: Row) -> tuple[Variable, ...]:
+    """The variables in the order of a row's leaves, which may go on with a zero that means nothing."""
+    known = row if row.insight != Nothing() else row._replace(insight=())
+    return tuple(VARIABLES[leaf] for leaf in names(known))
+
+
+#: The variables of every run.
+ROW = variables_of(BLANK)

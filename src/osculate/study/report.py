@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from osculate.simulation.dataset import plain_parts
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints, readable, thinned
 
@@ -81,8 +82,8 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
 
 
 def _setup_text(run: "Run") -> str:
-    parts = {n: p.model_dump(mode="json") for n, p in run.setup._asdict().items() if n != "curve"}
     curve = run.setup.curve
+    parts = plain_parts(run.setup)
     parts["curve"] = {"kind": getattr(curve, "kind", "curve"), "length": curve.length}
     return json.dumps(parts, indent=2, ensure_ascii=False)
 

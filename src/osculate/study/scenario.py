@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
-from osculate.control import CurvatureLaw
+from osculate.control import CurvatureLaw, Ekf, Safety
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.errors import InvalidInput, choose
-from osculate.plant import Actuated, AnyPlant, Disturbance, Mujoco, Reduced
+from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
 from osculate.scene import Scene, Wall
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, simulate
 from osculate.simulation.blocks import Report
@@ -28,7 +28,8 @@ class Scenario(Spec):
     """Obstacle → curve → speed target → controllers → simulation: the five steps of Table 2.
 
     Every field has the paper's value by default; with a path tracker the plant is the actuated robot and
-    the clock a sampled one, 100 Hz and 10 ms late. ``robot`` may be a name of the catalogue. In a file,
+    the clock a sampled one, 100 Hz and 10 ms late. It may see through noisy ``sensors`` and an
+    ``estimator``, be guarded by ``safety`` and suffer ``faults``. ``robot`` may be a name of the catalogue. In a file,
     a cycloid that gives no ``distance`` and ``height`` takes them from the first wall of the scene.
     """
 
@@ -44,6 +45,10 @@ class Scenario(Spec):
     clock: AnyClock = Continuous()
     initial: InitialState = InitialState()
     limits: Limits = Limits()
+    sensors: Sensors | None = None
+    estimator: Ekf | None = None
+    safety: Safety | None = None
+    faults: tuple[AnyFault, ...] = ()
 
     @field_validator("robot", mode="before")
     @classmethod
@@ -72,12 +77,14 @@ class Scenario(Spec):
         return cls.parse(_with_folder(_with_obstacle(_mapping(text, label)), Path(source).parent))
 
     def on(self, plant: str) -> "Scenario":
-        """The same scenario on another plant: ``actuated`` or ``mujoco``.
+        """The same scenario on another plant: ``actuated``, ``slip`` or ``mujoco``.
 
         Raises:
             InvalidInput: No such plant.
         """
-        plants: dict[str, AnyPlant] = {"actuated": Actuated(), "mujoco": Mujoco()}
+        plants: dict[str, AnyPlant] = {
+            "actuated": Actuated(), "slip": Slip(), "mujoco": Mujoco(),
+        }  # fmt: skip
         chosen = choose("plant", plant, plants)
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         return Scenario(**{**fields, "plant": chosen})
@@ -87,6 +94,7 @@ class Scenario(Spec):
         """The keyword arguments of `osculate.simulation` that this scenario stands for."""
         names = (
             "target", "controller", "plant", "disturbance", "clock", "initial", "limits", "scene",
+            "sensors", "estimator", "safety", "faults",
         )  # fmt: skip
         return {name: getattr(self, name) for name in names}
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from osculate.kernel import kernel
 from osculate.kernel.maths import clip
 from osculate.spec import Spec, quantity
+from osculate.vehicle.motion import Command
 
 
 class Actuators(Spec):
@@ -34,6 +35,18 @@ class Actuators(Spec):
         """How the servo moves in ``step`` seconds towards a constant command."""
         e11, e12, e21, e22 = (float(entry) for entry in self.transition(step).ravel())
         return ServoStep(e11, e12, e21, e22, self.steering_rate_limit, step)
+
+    def parameters(self, servo: float = 1.0) -> "ActuatorParameters":
+        """The numbers for `actuator_rates`; ``servo`` scales the servo's natural frequency."""
+        frequency = self.steering_frequency * servo
+        return ActuatorParameters(
+            frequency=frequency,
+            damping=2.0 * self.steering_damping * frequency,
+            rate_limit=self.steering_rate_limit,
+            angle_limit=self.steering_angle_limit,
+            motor_rate=1.0 / self.motor_lag,
+            torque_limit=self.torque_limit,
+        )
 
     def transition(self, step: float) -> NDArray[np.float64]:
         """e^{A step}, shape (2, 2), of (angle − command, rate)."""
@@ -87,3 +100,42 @@ def servo_move(now: Steering, command: float, p: ServoStep) -> Steering:
     reach = p.rate_limit * p.step
     rate = p.e21 * away + p.e22 * now.rate
     return Steering(now.angle + clip(moved, -reach, reach), clip(rate, -p.rate_limit, p.rate_limit))
+
+
+class ActuatorState(NamedTuple):
+    """State of the servo and of the two motors."""
+
+    steering_angle: float  # rad, as the servo sees it
+    steering_rate: float  # rad/s
+    torque_left: float  # N m
+    torque_right: float  # N m
+
+
+class ActuatorParameters(NamedTuple):
+    """Parameters of `actuator_rates`."""
+
+    frequency: float  # rad/s, natural frequency of the servo
+    damping: float  # 2 ζ ω, 1/s
+    rate_limit: float  # rad/s
+    angle_limit: float  # rad
+    motor_rate: float  # 1/s
+    torque_limit: float  # N m, each wheel
+
+
+@kernel
+def actuator_rates(state: ActuatorState, command: Command, p: ActuatorParameters) -> ActuatorState:
+    """A servo of second order whose rate is limited, and motors that lag."""
+    wanted = clip(command.steering_angle, -p.angle_limit, p.angle_limit)
+    pull = (
+        p.frequency * p.frequency * (wanted - state.steering_angle)
+        - p.damping * state.steering_rate
+    )
+    outward = pull * state.steering_rate > 0.0 and abs(state.steering_rate) >= p.rate_limit
+    left = clip(command.torque_left, -p.torque_limit, p.torque_limit)
+    right = clip(command.torque_right, -p.torque_limit, p.torque_limit)
+    return ActuatorState(
+        steering_angle=clip(state.steering_rate, -p.rate_limit, p.rate_limit),
+        steering_rate=0.0 if outward else pull,
+        torque_left=(left - state.torque_left) * p.motor_rate,
+        torque_right=(right - state.torque_right) * p.motor_rate,
+    )

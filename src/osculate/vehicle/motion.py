@@ -1,4 +1,4 @@
-"""What a robot does and what it is told: the two records that pass between law and plant."""
+"""What a robot does, what its encoders report, and what it is told."""
 
 from typing import NamedTuple
 
@@ -12,6 +12,13 @@ class Motion(NamedTuple):
     speed: float  # m/s, of O along the heading
     yaw_rate: float  # rad/s
     steering_angle: float  # rad, of the steered wheel, positive turns left when driving forward
+
+
+class Wheels(NamedTuple):
+    """Speeds of the drive wheels' treads: spin times the radius that the robot's maker states."""
+
+    left: float  # m/s
+    right: float  # m/s
 
 
 class Command(NamedTuple):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import Errors
+from osculate.control.estimation.contract import Evidence
 from osculate.control.tracking.contract import (
     Foot,
     Issued,
@@ -25,6 +26,8 @@ from osculate.vehicle.motion import Command, Motion
 
 if TYPE_CHECKING:  # parts, bound by `compose`
     from osculate.control.templates.exact_steering import steer_exactly as steer
+    from osculate.control.tracking.contract import guard_nothing as guard
+    from osculate.control.tracking.contract import watch_nothing as watch
     from osculate.control.tracking.speed_loop import switch_layer as switch
 
     DELAYED = True
@@ -49,12 +52,12 @@ def planned_speed(s: float, p: TrackingParameters, tables: NDArray[np.float64]) 
 
 @kernel
 def drive(
-    speed: float, wanted: float, arriving: float, steering: Steering, now: SpeedMemory,
-    p: TrackingParameters,
+    speed: float, wanted: float, brake: float, arriving: float, steering: Steering,
+    now: SpeedMemory, p: TrackingParameters,
 ) -> Any:  # fmt: skip
     """Total torque (N m) and the memory after this decision; ``arriving`` acts from now on."""
     q: SpeedParameters = p.speed
-    step = clip(wanted - now.reference, -q.deceleration * p.period, q.acceleration * p.period)
+    step = clip(wanted - now.reference, -brake * p.period, q.acceleration * p.period)
     error = speed - now.model
     surface = error + q.sliding * now.integral
     push, twist_rate = switch(surface, now.twist, q)
@@ -74,9 +77,11 @@ def drive(
 
 @kernel
 def track(
-    motion: Motion, memory: TrackingMemory, p: TrackingParameters, tables: NDArray[np.float64]
-) -> Any:
+    seen: Motion, evidence: Evidence, memory: TrackingMemory, p: TrackingParameters,
+    tables: NDArray[np.float64],
+) -> Any:  # fmt: skip
     """One decision: the command, the next memory, and what was wanted and missed."""
+    motion, watched = watch(seen, evidence, memory.guard, p.guard)
     steering = observe_steering(motion, memory.steering, p.observer)
     guess = memory.progress + p.period * motion.speed
     foot: Foot = foot_of(motion.x, motion.y, motion.heading, guess, p.curve, tables)
@@ -87,11 +92,14 @@ def track(
     view = View(motion, foot, steering, acceleration, pending)
     angle, bound, steer_memory = steer(view, memory.steer, p.steer, p.curve, tables)
     angle = clip(angle, -p.angle_limit, p.angle_limit)
+    angle, bound, brake, guarded = guard(
+        view, angle, bound, p.speed.deceleration, watched, p.guard, p.curve, tables
+    )
 
     plan = planned_speed(foot.arc_length + p.speed.ahead * motion.speed, p, tables)
     wanted = plan if plan < bound else bound
     torque, speed_memory, speed_error = drive(
-        motion.speed, wanted, oldest.speed, steering, memory.speed, p
+        motion.speed, wanted, brake, oldest.speed, steering, memory.speed, p
     )
 
     decided = Issued(angle, speed_memory.reference)
@@ -102,6 +110,7 @@ def track(
         speed=speed_memory,
         pending=(decided,) + pending[:-1],
         steer=steer_memory,
+        guard=guarded,
     )
     bend = foot.curvature
     reference = Reference(

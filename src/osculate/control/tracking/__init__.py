@@ -11,7 +11,6 @@ from osculate.control.tracking.contract import PathTracker, Road
 from osculate.control.tracking.curvature_tracker import CurvatureTracker
 from osculate.control.tracking.nmpc import Nmpc
 from osculate.control.tracking.speed_loop import SpeedLoop
-from osculate.control.tracking.stepper import Stepper
 
 AnyTracker = (
     CurvatureTracker | PreviewLqr | FeedforwardLqr | PurePursuit | Kanayama | Stanley | Nmpc
@@ -38,5 +37,4 @@ __all__ = [
     "Road",
     "SpeedLoop",
     "Stanley",
-    "Stepper",
 ]

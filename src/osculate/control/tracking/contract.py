@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import Controller, ControlPart, Start
+from osculate.control.estimation.contract import Evidence
 from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
 from osculate.curve.contract import Curve
 from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
-from osculate.kernel import Grid, Tables, compose, kernel
+from osculate.kernel import Grid, Nothing, Tables, compose, kernel
 from osculate.kernel.maths import sincos, wrap_angle
 from osculate.target.contract import TargetPart
 from osculate.target.speed import Limits, SpeedPlan, plan_speed
@@ -75,6 +76,7 @@ class TrackingParameters(NamedTuple):
     profile: Grid  # E and E' over arc length
     curve: CurveTable
     steer: Any  # parameters of the steering law
+    guard: Any  # of the safety layer
 
 
 class TrackingMemory(NamedTuple):
@@ -85,6 +87,7 @@ class TrackingMemory(NamedTuple):
     speed: SpeedMemory
     pending: Any  # tuple of `Issued`, the newest first
     steer: Any  # memory of the steering law
+    guard: Any  # of the safety layer
 
 
 @kernel
@@ -146,6 +149,34 @@ class SteerPart:
     memory: Any
 
 
+@kernel
+def watch_nothing(motion: Motion, evidence: Evidence, memory: Nothing, p: Nothing) -> Any:
+    """Believe every motion."""
+    return motion, memory
+
+
+@kernel
+def guard_nothing(
+    view: View, angle: float, bound: float, deceleration: float, memory: Nothing, p: Nothing,
+    curve: CurveTable, tables: NDArray[np.float64],
+) -> Any:  # fmt: skip
+    """Leave every decision as it is."""
+    return angle, bound, deceleration, memory
+
+
+class GuardPart(NamedTuple):
+    """A safety layer ready to run: it sees what is measured and what is decided."""
+
+    watch: Any = watch_nothing
+    guard: Any = guard_nothing
+    parameters: Any = Nothing()
+    memory: Any = Nothing()
+
+
+#: No safety layer.
+UNGUARDED = GuardPart()
+
+
 class PathTracker(Controller):
     """A sampled law that follows a curve at the speeds of a plan, with feedback of the pose."""
 
@@ -164,7 +195,9 @@ class PathTracker(Controller):
     def steering_part(self, road: Road) -> SteerPart:
         """The steering law for a road."""
 
-    def tracking_part(self, road: Road, start: Start, progress: float) -> ControlPart:
+    def tracking_part(
+        self, road: Road, start: Start, progress: float, guard: GuardPart = UNGUARDED
+    ) -> ControlPart:
         """Kernel, parameters and initial memory; ``progress`` (m) is where on the curve it starts."""
         law = self.steering_part(road)
         act, period = road.robot.actuators, road.period
@@ -180,6 +213,7 @@ class PathTracker(Controller):
             profile=road.profile,
             curve=road.curve,
             steer=law.parameters,
+            guard=guard.parameters,
         )
         memory = TrackingMemory(
             progress=progress,
@@ -187,9 +221,13 @@ class PathTracker(Controller):
             speed=SpeedMemory(speed, speed, 0.0, 0.0),
             pending=(Issued(angle, speed),) * max(1, road.delay),
             steer=law.memory,
+            guard=guard.memory,
         )
         switch = self.speed.switch()
         template = "osculate.control.templates.tracking"
-        parts = {"steer": law.steer, "switch": switch, "DELAYED": road.delay > 0}
+        parts = {
+            "steer": law.steer, "switch": switch, "watch": guard.watch, "guard": guard.guard,
+            "DELAYED": road.delay > 0,
+        }  # fmt: skip
         track = compose(template, parts).track
         return ControlPart(track, parameters, memory, 0.0)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from osculate.errors import MissingExtra
-from osculate.simulation.variables import ROW
+from osculate.simulation.variables import BY_NAME
 
 if TYPE_CHECKING:
     from osculate.simulation.run import Run
@@ -55,7 +55,7 @@ def _series(rr: Any, stream: Any, run: "Run") -> None:
     c = run.columns
     wanted = np.arange(0.0, c["time"][-1] + 1e-9, 1.0 / RATE)
     kept = np.minimum(np.searchsorted(c["time"], wanted - 1e-9), len(c["time"]) - 1)
-    units = {variable.name: variable.unit for variable in ROW}
+    units = {name: variable.unit for name, variable in BY_NAME.items()}
     times = rr.TimeColumn("time", duration=c["time"][kept])
     for name in SERIES:
         label = rr.SeriesLines(names=f"{name} ({units[name]})")

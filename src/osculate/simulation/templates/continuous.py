@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.kernel import Nothing, kernel
-from osculate.simulation.records import Parameters, Progress, State
+from osculate.simulation.records import Parameters, State
 from osculate.target.contract import TargetMemory
 
 if TYPE_CHECKING:  # parts, bound by `compose`
@@ -19,17 +19,21 @@ if TYPE_CHECKING:  # parts, bound by `compose`
 
 
 @kernel
-def decide(
-    t: float, period: float, run: Progress, p: Parameters, tables: NDArray[np.float64]
-) -> Any:
-    """A continuous law holds nothing."""
-    return run.held
-
-
-@kernel
 def hold(age: int, substeps: int, held: Nothing, p: Parameters) -> Nothing:
     """A continuous law has no command to hold."""
     return held
+
+
+@kernel
+def halted(held: Nothing) -> bool:
+    """A continuous law stops nothing."""
+    return False
+
+
+@kernel
+def look(action: Nothing) -> Nothing:
+    """A continuous law knows what it sees."""
+    return action
 
 
 @kernel

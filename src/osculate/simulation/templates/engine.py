@@ -10,6 +10,8 @@ from osculate.simulation.records import (
     DIVERGED,
     FINISHED,
     RUNNING,
+    STOPPED,
+    Moved,
     Parameters,
     Progress,
     Row,
@@ -19,12 +21,15 @@ from osculate.simulation.tally import count
 
 if TYPE_CHECKING:  # parts, bound by `compose`
     from osculate.plant.reduced import measure_reduced as measure
-    from osculate.simulation.templates.continuous import decide, hold, respond
+    from osculate.simulation.templates.continuous import halted, hold, look, respond
     from osculate.simulation.templates.rk4 import rk4
 
     LANES = 1
-    SAMPLED = False
+    LIKE: Any = None
+    LIKE_PARAMETERS: Any = None
+    LIKE_ROW: Any = None
 
+STANDSTILL = 5e-3  # m/s, below which a robot that stops has stopped
 LANDINGS = 4  # Newton steps to the instant at which the path ends
 
 
@@ -51,6 +56,7 @@ def observe(
         tally.foot,
         tally.cross_track,
         tally.heading_error,
+        look(action),
     )
     return row, tally
 
@@ -73,12 +79,12 @@ def advance(
         or tally.foot + travelled >= p.path_end
         or t + h >= p.deadline
     )
-    code = DIVERGED if wild else (FINISHED if beyond else RUNNING)
+    stopped = halted(run.held) and abs(speed) < STANDSTILL
+    code = DIVERGED if wild else (FINISHED if beyond else (STOPPED if stopped else RUNNING))
     running = LANES == 1 or run.status.code == RUNNING
     going = running and code == RUNNING
-    moved = Progress(
+    moved = Moved(
         select(going, state, run.state),
-        run.held,
         select(running, tally, run.tally),
         select(running, Status(code, t + h if going else t), run.status),
     )
@@ -102,27 +108,19 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
         part = part if part < p.deadline - t else p.deadline - t
         part = part if part > 0.0 and finished else 0.0
         state = rk4(t, part, run.state, action, p, tables)
-    ended = Progress(select(finished, state, run.state), run.held, run.tally, run.status)
+    ended = Progress(select(finished, state, run.state), run.tally, run.status, run.held)
     row, tally = observe(t + part, part, ended, action, p, tables)
     fresh = run.status.code != DIVERGED
     status = Status(run.status.code, t + part)
-    return row, Progress(ended.state, run.held, select(fresh, tally, run.tally), status)
+    return row, Moved(ended.state, select(fresh, tally, run.tally), status)
 
 
 @kernel
-def decided(t: float, period: float, run: Progress, p: Parameters, tables: Any) -> Progress:
-    """A run after a decision of its sampled law, unless it has ended."""
-    held = decide(t, period, run, p, tables)
-    going = run.status.code == RUNNING
-    return Progress(run.state, select(going, held, run.held), run.tally, run.status)
-
-
-@kernel
-def any_running(like: Progress, block: NDArray[np.float64]) -> bool:
+def any_running(block: NDArray[np.float64]) -> bool:
     """Whether a run of the block has not ended yet."""
     running = 0
     for lane in range(LANES):
-        running += load(like, block, lane).status.code == RUNNING
+        running += load(LIKE, block, lane).status.code == RUNNING
     return running > 0
 
 
@@ -136,9 +134,6 @@ def copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
 
 @compiled
 def run_block(
-    like: Progress,
-    like_parameters: Parameters,
-    like_row: Row,
     runs: NDArray[np.float64],
     parameters: NDArray[np.float64],
     tables: NDArray[np.float64],
@@ -152,9 +147,6 @@ def run_block(
     """Advance a block by up to ``steps`` steps from step ``start``; returns the steps made.
 
     Args:
-        like: Any tuple of the shape of a run, for its type alone; likewise the next two.
-        like_parameters: See ``like``.
-        like_row: See ``like``.
         runs: Shape (leaves, LANES), read and overwritten.
         parameters: Shape (leaves, LANES).
         tables: Shape (n,).
@@ -165,35 +157,30 @@ def run_block(
         every: A step is recorded when its number is a multiple of this.
         record: Shape (rows, leaves, LANES), one row per recorded step; nothing if it has no rows.
     """
-    block = scratch(like, LANES)
-    rows = scratch(like_row, LANES)
+    block = scratch(LIKE, LANES)
+    rows = scratch(LIKE_ROW, LANES)
     copy(runs, block)
-    alone = load(like_parameters, parameters, 0)
+    alone = load(LIKE_PARAMETERS, parameters, 0)
     filled = 0
     made = 0
     while made < steps:
         # a single run is looked at before every step, many of them now and then: see `advance`
-        if made % LANES == 0 and not any_running(like, block):
+        if made % LANES == 0 and not any_running(block):
             break
         step = start + made
         age = step % substeps
-        if SAMPLED and age == 0:
-            for lane in range(LANES):
-                run = load(like, block, lane)
-                p = load(like_parameters, parameters, lane)
-                store(decided(step * h, substeps * h, run, p, tables), block, lane)
         elapsed = h if step > 0 else 0.0
         recording = step % every == 0 and filled < record.shape[0]
         if recording and LANES > 1:  # many runs are seldom recorded: look at them only then
             for lane in range(LANES):
-                run = load(like, block, lane)
-                p = load(like_parameters, parameters, lane)
+                run = load(LIKE, block, lane)
+                p = load(LIKE_PARAMETERS, parameters, lane)
                 action = hold(age, substeps, run.held, p)
                 row, _ = observe(step * h, elapsed, run, action, p, tables)
                 store(row, rows, lane)
         for lane in range(LANES):
-            run = load(like, block, lane)
-            p = alone if LANES == 1 else load(like_parameters, parameters, lane)
+            run = load(LIKE, block, lane)
+            p = alone if LANES == 1 else load(LIKE_PARAMETERS, parameters, lane)
             action = hold(age, substeps, run.held, p)
             row, moved = advance(step * h, h, elapsed, run, action, p, tables)
             store(moved, block, lane)
@@ -209,9 +196,6 @@ def run_block(
 
 @compiled
 def land_block(
-    like: Progress,
-    like_parameters: Parameters,
-    like_row: Row,
     runs: NDArray[np.float64],
     parameters: NDArray[np.float64],
     tables: NDArray[np.float64],
@@ -222,10 +206,7 @@ def land_block(
     """Bring every run of a block to its last instant; see `run_block`.
 
     Args:
-        like: See `run_block`; likewise all arguments up to ``tables``.
-        like_parameters: See `run_block`.
-        like_row: See `run_block`.
-        runs: See `run_block`.
+        runs: See `run_block`; likewise all arguments up to ``tables``.
         parameters: See `run_block`.
         tables: See `run_block`.
         h: Step (s).
@@ -233,8 +214,8 @@ def land_block(
         record: Shape (leaves, LANES), the row at the last instant.
     """
     for lane in range(LANES):
-        run = load(like, runs, lane)
-        p = load(like_parameters, parameters, lane)
+        run = load(LIKE, runs, lane)
+        p = load(LIKE_PARAMETERS, parameters, lane)
         age = int(run.status.time / h + 0.5) % substeps
         row, landed = land(h, age, substeps, run, p, tables)
         store(landed, runs, lane)

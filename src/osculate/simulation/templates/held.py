@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.kernel import axpy, kernel
-from osculate.simulation.records import Parameters
+from osculate.simulation.records import Thought
 from osculate.target.contract import TargetMemory
 from osculate.vehicle.motion import Motion
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # parts, bound by `compose`
 
 @kernel
 def step(
-    t: float, period: float, motion: Motion, target: TargetMemory, memory: Any, p: Parameters,
+    t: float, period: float, motion: Motion, target: TargetMemory, memory: Any, p: Thought,
     tables: NDArray[np.float64],
 ) -> Any:  # fmt: skip
     """Command, next memory, what was wanted and missed."""

@@ -16,8 +16,7 @@ from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
 from osculate.plant import Mujoco
-from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
-from osculate.simulation.variables import ROW
+from osculate.simulation import Batch, InitialState, Sampled, simulate, simulate_batch
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
@@ -215,7 +214,7 @@ def compare(
             for n, (c, v, s) in enumerate(grid):
                 comparison.cells.append(_cell((name, c, v, s, kind), batch.metrics, n))
                 key = (name, c, f"{v:g}", s, kind)
-                comparison.traces[key] = _trace(batch.record[n], batch.metrics.duration[n])
+                comparison.traces[key] = _trace(batch, n)
             done += 1
             if report:
                 report(done / (len(laws) * len(states)))
@@ -236,8 +235,9 @@ def _cell(key: tuple[Any, ...], metrics: Any, n: int | None) -> dict[str, Any]:
     return {**dict(zip(names, key, strict=True)), **values, "failed": failed, "ended": ended}
 
 
-def _trace(record: NDArray[np.float64], duration: float) -> Trace:
-    index = {variable.name: column for column, variable in enumerate(ROW)}
-    alive = record[:, index["time"]] <= duration + 1e-9
+def _trace(batch: Batch, run: int) -> Trace:
+    index = {variable.name: column for column, variable in enumerate(batch.variables)}
+    record = batch.record[run]
+    alive = record[:, index["time"]] <= batch.metrics.duration[run] + 1e-9
     columns = (record[alive, index[n]] for n in ("foot", "cross_track_error", "x", "y"))
     return Trace(*(np.array(column) for column in columns))

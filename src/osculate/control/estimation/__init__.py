@@ -1,0 +1,1 @@
+"""What the robot believes: pose, speed, steering, and how it differs from its own description."""

@@ -1,0 +1,351 @@
+"""An extended Kalman filter for pose, motion, and what the robot's description does not say.
+
+The state is (x, y, θ, v, φ, φ̇, b, g, β, c, k): pose of O, speed, the servo's angle and rate, steering bias,
+scale of the wheel encoders, gyro bias, rear slip and understeer. Between two instants the servo moves
+exactly, the pose by Simpson's rule. With linear tyres O slides outwards with v_y = −c v ω, and
+
+    ω = v tan(φ + b) / (a + k v).
+
+A pose that arrives late is compared with where the robot was when it was taken: the estimate, moved back
+by what was driven since. A pose that does not fit is left out.
+"""
+
+import math
+from typing import Any, Literal, NamedTuple
+
+from osculate.control.contract import Start
+from osculate.control.estimation.contract import TRUSTED, EstimatorPart, Evidence, Sight, Told
+from osculate.control.estimation.kinematics import (
+    UNITS,
+    ZERO,
+    Clue,
+    Covariance,
+    Kinematics,
+    Learned,
+    Slopes,
+    learn,
+    spread,
+)
+from osculate.control.tracking.pipe import PipeParameters, Pose, roll
+from osculate.kernel import axpy, kernel
+from osculate.kernel.maths import atan, sincos, tan, wrap_angle
+from osculate.spec import Spec, quantity
+from osculate.vehicle.actuators import ServoStep, Steering
+from osculate.vehicle.measurement import Measurement
+from osculate.vehicle.motion import Motion
+from osculate.vehicle.tricycle import Tricycle
+
+
+class Place(NamedTuple):
+    """A pose of dead reckoning, which no correction moves."""
+
+    x: float  # m
+    y: float  # m
+    heading: float  # rad
+
+
+class Belief(NamedTuple):
+    """Memory of the filter."""
+
+    mean: Kinematics
+    covariance: Covariance
+    trail: Any  # tuple of `Place` at the last instants, the newest first
+    evidence: Evidence
+    fix_nis: float  # of the last pose: squared normalised innovation, 3 degrees of freedom
+
+
+class EkfParameters(NamedTuple):
+    """Parameters of `estimate_kinematics`."""
+
+    half: ServoStep  # half a period
+    wheelbase: float  # m
+    side: float  # m, half of the track width
+    period: float  # s
+    wander: Kinematics  # variance that every period adds
+    wheel: float  # variances of the sensors: (m/s)²
+    steering: float  # rad²
+    gyro: float  # (rad/s)²
+    position: float  # m²
+    heading: float  # rad²
+    gate: float  # square of the largest normalised innovation
+    patience: float  # s, after which a pose that does not fit is believed
+
+
+@kernel
+def yaw(m: Kinematics, p: EkfParameters) -> Any:
+    """Yaw rate ω, and its slopes along φ (and b), v and k."""
+    tangent = tan(m.steering_angle + m.steering_bias)
+    base = effective_base(m, p)
+    rate = m.speed * tangent / base
+    per_angle = m.speed * (1.0 + tangent * tangent) / base
+    per_speed = tangent * p.wheelbase / (base * base)
+    return rate, per_angle, per_speed, -rate * m.speed / base
+
+
+@kernel
+def effective_base(m: Kinematics, p: EkfParameters) -> float:
+    """Wheelbase (m) of the twin that steers as the robot does: a + k v."""
+    base = p.wheelbase + m.understeer * m.speed
+    least = 0.5 * p.wheelbase
+    return base if base > least else least
+
+
+@kernel
+def step_forward(m: Kinematics, told: Told, p: EkfParameters) -> Any:
+    """The state one period later, and the slopes of that map."""
+    rate, _, _, _ = yaw(m, p)
+    course = m.heading - m.slip * rate
+    base = effective_base(m, p)
+    pipe = PipeParameters(p.half, base, p.period, 0.0)
+    begin = Pose(
+        m.x, m.y, course, m.speed, Steering(m.steering_angle + m.steering_bias, m.steering_rate)
+    )
+    end = roll(begin, told.steering_angle + m.steering_bias, told.acceleration, pipe)
+    angle = end.steering.angle - m.steering_bias
+    after = Kinematics(
+        end.x, end.y, m.heading + (end.heading - course), end.speed, angle, end.steering.rate,
+        m.steering_bias, m.speed_scale, m.gyro_bias, m.slip, m.understeer,
+    )  # fmt: skip
+    middle = Kinematics(
+        0.0, 0.0, 0.0, 0.5 * (m.speed + end.speed), 0.5 * (m.steering_angle + angle), 0.0,
+        m.steering_bias, 0.0, 0.0, 0.0, m.understeer,
+    )  # fmt: skip
+    omega, per_angle, per_speed, per_understeer = yaw(middle, p)
+    sine, cosine = sincos(0.5 * (course + end.heading))
+    t = p.period
+    way = t * middle.speed
+    h = p.half
+    slopes = Slopes(
+        x_heading=-way * sine,
+        x_speed=t * cosine,
+        x_slip=way * omega * sine,
+        y_heading=way * cosine,
+        y_speed=t * sine,
+        y_slip=-way * omega * cosine,
+        turn=t * per_angle,
+        turn_rate=0.5 * t * t * per_angle,
+        turn_speed=t * per_speed,
+        turn_understeer=t * per_understeer,
+        e11=h.e11 * h.e11 + h.e12 * h.e21,
+        e12=h.e11 * h.e12 + h.e12 * h.e22,
+        e21=h.e21 * h.e11 + h.e22 * h.e21,
+        e22=h.e21 * h.e12 + h.e22 * h.e22,
+    )
+    return after, slopes
+
+
+@kernel
+def wheel_clue(m: Kinematics, side: float, reading: float, p: EkfParameters) -> Clue:
+    """A drive wheel's encoder, ``side`` (m) to the left of O: (1 + g)(v − side ω)."""
+    rate, per_angle, per_speed, per_understeer = yaw(m, p)
+    scale = 1.0 + m.speed_scale
+    arm = -scale * side
+    speed = m.speed - side * rate
+    slope = Kinematics(
+        0.0, 0.0, 0.0, scale + arm * per_speed, arm * per_angle, 0.0, arm * per_angle, speed, 0.0,
+        0.0, arm * per_understeer,
+    )  # fmt: skip
+    return Clue(slope, reading - scale * speed, p.wheel, p.gate)
+
+
+@kernel
+def gyro_clue(m: Kinematics, reading: float, p: EkfParameters) -> Clue:
+    """The gyro: ω + β."""
+    rate, per_angle, per_speed, per_understeer = yaw(m, p)
+    slope = Kinematics(
+        0.0, 0.0, 0.0, per_speed, per_angle, 0.0, per_angle, 0.0, 1.0, 0.0, per_understeer
+    )
+    return Clue(slope, reading - rate - m.gyro_bias, p.gyro, p.gate)
+
+
+@kernel
+def place_then(trail: Any, instants: float) -> Place:
+    """Where dead reckoning was so many instants ago; not a number beyond the trail."""
+    x, y, heading, weight = 0.0, 0.0, 0.0, 0.0
+    for n in range(len(trail)):
+        near = 1.0 - abs(instants - n)
+        near = near if near > 0.0 else 0.0
+        x = x + near * trail[n].x
+        y = y + near * trail[n].y
+        heading = heading + near * trail[n].heading
+        weight = weight + near
+    known = 1.0 if weight > 0.999 else math.nan
+    return Place(x * known, y * known, heading * known)
+
+
+@kernel
+def fix_clues(
+    m: Kinematics, c: Covariance, trail: Any, z: Measurement, age: float, p: EkfParameters
+) -> Any:
+    """The three readings of a pose, taken in or left out together."""
+    now = trail[0]
+    then = place_then(trail, z.fix.age / p.period)
+    sine, cosine = sincos(then.heading)
+    dx, dy = now.x - then.x, now.y - then.y
+    along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+    heading = m.heading - (now.heading - then.heading)
+    sine, cosine = sincos(heading)
+    off_x = z.fix.x - (m.x - along * cosine + aside * sine)
+    off_y = z.fix.y - (m.y - along * sine - aside * cosine)
+    off_heading = wrap_angle(z.fix.heading - heading)
+    far = off_x * off_x > p.gate * (c.x.x + p.position)
+    far = far or off_y * off_y > p.gate * (c.y.y + p.position)
+    far = far or off_heading * off_heading > p.gate * (c.heading.heading + p.heading)
+    strange = far and age < p.patience
+    taken = math.nan if strange else 0.0
+    gate = math.inf
+    return (
+        Clue(
+            axpy(along * sine + aside * cosine, UNITS.heading, UNITS.x), off_x + taken, p.position,
+            gate,
+        ),
+        Clue(
+            axpy(aside * sine - along * cosine, UNITS.heading, UNITS.y), off_y + taken, p.position,
+            gate,
+        ),
+        Clue(UNITS.heading, off_heading + taken, p.heading, gate),
+    )  # fmt: skip
+
+
+@kernel
+def see(m: Kinematics, evidence: Evidence, p: EkfParameters) -> Sight:
+    """The twin without slip and offset that moves as the robot does."""
+    rate, _, _, _ = yaw(m, p)
+    stretch = effective_base(m, p) / p.wheelbase
+    angle = atan(tan(m.steering_angle + m.steering_bias) / stretch)
+    motion = Motion(m.x, m.y, m.heading - m.slip * rate, m.speed, rate, angle)
+    return Sight(motion, m.steering_bias, stretch, evidence)
+
+
+@kernel
+def doubt_servo(z: Measurement, m: Kinematics, c: Covariance, p: EkfParameters) -> Kinematics:
+    """The variance of this period; what the servo's model cannot explain, its encoder knows better."""
+    miss = z.steering_angle - m.steering_angle
+    square = miss * miss
+    odd = square > p.gate * (c.steering_angle.steering_angle + p.steering)
+    return axpy(square if odd else 0.0, UNITS.steering_angle, p.wander)
+
+
+@kernel
+def estimate_kinematics(z: Measurement, told: Told, belief: Belief, p: EkfParameters) -> Any:
+    """Predict, then correct by everything that arrived."""
+    mean, slopes = step_forward(belief.mean, told, p)
+    covariance = spread(belief.covariance, slopes, doubt_servo(z, mean, belief.covariance, p))
+    trail = (follow_trail(belief.trail[0], belief.mean, mean),) + belief.trail[:-1]
+
+    age = belief.evidence.fix_age + p.period
+    angle = Clue(UNITS.steering_angle, z.steering_angle - mean.steering_angle, p.steering, math.inf)
+    clues = (
+        wheel_clue(mean, p.side, z.left, p), wheel_clue(mean, -p.side, z.right, p), angle,
+        gyro_clue(mean, z.yaw_rate, p),
+    ) + fix_clues(mean, covariance, trail, z, age, p)  # fmt: skip
+    learned = Learned(ZERO, covariance)
+    fix_nis = 0.0
+    for n in range(len(clues)):
+        learned, nis = learn(learned, clues[n])
+        fix_nis = fix_nis + (nis if n > 3 else 0.0)
+    fixed = fix_nis == fix_nis
+    mean = axpy(1.0, learned.shift, mean)
+    surprise = belief.evidence.surprise
+    surprise = surprise + (0.1 * (fix_nis / 3.0 - surprise) if fixed else 0.0)
+    evidence = Evidence(0.0 if fixed else age, surprise)
+    last = fix_nis if fixed else belief.fix_nis
+    return see(mean, evidence, p), Belief(mean, learned.covariance, trail, evidence, last)
+
+
+@kernel
+def follow_trail(last: Place, before: Kinematics, after: Kinematics) -> Place:
+    """Dead reckoning moved on by what the estimate was predicted to move, in the body's frame."""
+    turn = last.heading - before.heading
+    sine, cosine = sincos(turn)
+    dx, dy = after.x - before.x, after.y - before.y
+    return Place(
+        last.x + dx * cosine - dy * sine,
+        last.y + dx * sine + dy * cosine,
+        last.heading + (after.heading - before.heading),
+    )
+
+
+class Ekf(Spec):
+    """The estimator of this package; its noises are standard deviations.
+
+    A standard deviation of 0 for bias, scale, slip or understeer takes that state out: it stays 0.
+    """
+
+    kind: Literal["ekf"] = "ekf"
+    position_noise: float = quantity("m", "of a measured position, each axis", default=0.01, gt=0)
+    heading_noise: float = quantity("rad", "of a measured heading", default=0.0087, gt=0)
+    wheel_noise: float = quantity("m/s", "of each wheel's encoder", default=0.007, gt=0)
+    steering_noise: float = quantity("rad", "of the steering encoder", default=0.00175, gt=0)
+    gyro_noise: float = quantity("rad/s", "of the gyro", default=0.002, gt=0)
+    steering_bias: float = quantity("rad", "of the unknown steering offset", default=0.02, ge=0)
+    speed_scale: float = quantity("1", "of the unknown wear of the wheels", default=0.02, ge=0)
+    gyro_bias: float = quantity("rad/s", "of the gyro's unknown bias", default=0.01, ge=0)
+    slip: float = quantity("s", "of the unknown rear slip c", default=0.005, ge=0)
+    understeer: float = quantity("s", "of the unknown understeer k", default=0.005, ge=0)
+    bias_drift: float = quantity(
+        "1/s^0.5", "of bias, scale and slip per root second, part of their own deviation",
+        default=0.02, ge=0,
+    )  # fmt: skip
+    pose_drift: float = quantity("m/s^0.5", "of the pose that nothing explains", default=1e-4, ge=0)
+    heading_drift: float = quantity("rad/s^0.5", "of the heading", default=2e-4, ge=0)
+    acceleration_noise: float = quantity("m/s^1.5", "of the speed", default=0.05, ge=0)
+    servo_noise: float = quantity("rad/s^1.5", "of the steering rate", default=0.2, ge=0)
+    gate: float = quantity(
+        "1", "largest innovation that is believed, in standard deviations", default=5.0, gt=1
+    )
+    patience: float = quantity(
+        "s", "without a believed pose, before any is believed", default=1.0, gt=0
+    )
+    history: float = quantity("s", "how late a pose may arrive", default=0.06, ge=0, le=1)
+
+    def part(self, robot: Tricycle, start: Start, period: float) -> EstimatorPart:
+        """Kernel, parameters and initial belief of a robot that stands about where it is said to."""
+        q = self.bias_drift**2 * period
+        slow = {
+            name: getattr(self, name)
+            for name in ("steering_bias", "speed_scale", "gyro_bias", "slip", "understeer")
+        }
+        wander = Kinematics(
+            x=self.pose_drift**2 * period,
+            y=self.pose_drift**2 * period,
+            heading=self.heading_drift**2 * period,
+            speed=self.acceleration_noise**2 * period,
+            steering_angle=0.0,
+            steering_rate=self.servo_noise**2 * period,
+            **{name: q * deviation**2 for name, deviation in slow.items()},
+        )
+        parameters = EkfParameters(
+            half=robot.actuators.servo(0.5 * period),
+            wheelbase=robot.wheelbase,
+            side=0.5 * robot.track_width,
+            period=period,
+            wander=wander,
+            wheel=self.wheel_noise**2,
+            steering=self.steering_noise**2,
+            gyro=self.gyro_noise**2,
+            position=self.position_noise**2,
+            heading=self.heading_noise**2,
+            gate=self.gate**2,
+            patience=self.patience,
+        )
+        return EstimatorPart(estimate_kinematics, parameters, self._belief(robot, start, period))
+
+    def _belief(self, robot: Tricycle, start: Start, period: float) -> Belief:
+        angle = math.atan(robot.wheelbase * start.curvature)
+        mean = ZERO._replace(
+            x=float(start.x), y=float(start.y), heading=float(start.heading),
+            speed=float(start.speed), steering_angle=angle,
+        )  # fmt: skip
+        deviations = Kinematics(
+            self.position_noise, self.position_noise, self.heading_noise, 0.01,
+            self.steering_noise, 0.01, self.steering_bias, self.speed_scale, self.gyro_bias,
+            self.slip, self.understeer,
+        )  # fmt: skip
+        rows = (
+            Kinematics(*(d * d * entry for entry in unit))
+            for d, unit in zip(deviations, UNITS, strict=True)
+        )
+        instants = math.ceil(self.history / period - 1e-9) + 1
+        trail = (Place(0.0, 0.0, 0.0),) * (1 << (instants - 1).bit_length())
+        return Belief(mean, Covariance(*rows), trail, TRUSTED, 3.0)
