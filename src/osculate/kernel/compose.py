@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Lock
 from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
@@ -30,6 +31,7 @@ F = TypeVar("F", bound=Callable[..., object])
 _FOREIGN = {*sys.stdlib_module_names, "numba", "numpy", "llvmlite"} - {"__main__"}
 
 _composed: dict[str, ModuleType] = {}
+_composing = Lock()  # blocks of a batch ask for their engine at the same time
 
 
 def compiled(function: F) -> F:
@@ -50,9 +52,10 @@ def compose(template: str, parts: Mapping[str, Any]) -> ModuleType:
     """
     source = _source(template)
     key = _fingerprint(source, parts)
-    if key not in _composed:
-        _composed[key] = _execute(template, source, key, parts)
-    return _composed[key]
+    with _composing:
+        if key not in _composed:
+            _composed[key] = _execute(template, source, key, parts)
+        return _composed[key]
 
 
 def cache_directory() -> Path:

@@ -29,8 +29,8 @@ class Scenario(Spec):
 
     Every field has the paper's value by default; with a path tracker the plant is the actuated robot and
     the clock a sampled one, 100 Hz and 10 ms late. It may see through noisy ``sensors`` and an
-    ``estimator``, be guarded by ``safety`` and suffer ``faults``. ``robot`` may be a name of the catalogue. In a file,
-    a cycloid that gives no ``distance`` and ``height`` takes them from the first wall of the scene.
+    ``estimator``, be guarded by ``safety`` and suffer ``faults``. ``robot`` may be a name of the catalogue.
+    In a file, a cycloid that gives no ``distance`` and ``height`` takes them from the scene's first wall.
     """
 
     name: str = "unnamed"

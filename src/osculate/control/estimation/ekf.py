@@ -1,10 +1,13 @@
 """An extended Kalman filter for pose, motion, and what the robot's description does not say.
 
-The state is (x, y, θ, v, φ, φ̇, b, g, β, c, k): pose of O, speed, the servo's angle and rate, steering bias,
-scale of the wheel encoders, gyro bias, rear slip and understeer. Between two instants the servo moves
-exactly, the pose by Simpson's rule. With linear tyres O slides outwards with v_y = −c v ω, and
+The state is (x, y, θ, v, φ, φ̇, b, g, β, c, k, δ): pose of O, speed, the servo's angle and rate, steering
+bias, scale of the wheel encoders, gyro bias, rear slip, understeer and swerve. Between two instants the
+servo moves exactly, the pose by Simpson's rule. With linear tyres, whose slip angles are proportional to
+the lateral acceleration v ω, O moves in the direction θ − c v ω, and with the understeer gradient k
 
-    ω = v tan(φ + b) / (a + k v).
+    ω = v tan(φ + b) / (a + k v²) + δ,
+
+where δ is what steering does not explain: it forgets itself within a fraction of a second.
 
 A pose that arrives late is compared with where the robot was when it was taken: the estimate, moved back
 by what was driven since. A pose that does not fit is left out.
@@ -51,6 +54,7 @@ class Belief(NamedTuple):
     covariance: Covariance
     trail: Any  # tuple of `Place` at the last instants, the newest first
     evidence: Evidence
+    rejected: float  # number of poses in a row that were not believed
     fix_nis: float  # of the last pose: squared normalised innovation, 3 degrees of freedom
 
 
@@ -59,33 +63,41 @@ class EkfParameters(NamedTuple):
 
     half: ServoStep  # half a period
     wheelbase: float  # m
-    side: float  # m, half of the track width
+    track: float  # m
     period: float  # s
     wander: Kinematics  # variance that every period adds
-    wheel: float  # variances of the sensors: (m/s)²
+    doubt: Kinematics  # likewise, for every unit by which the poses surprise too much
+    swerve: float  # part of δ that is left after a period
+    speed: float  # variances of the sensors: (m/s)², mean of the wheels
+    difference: float  # (m/s)², of the wheels
+    wheel_slip: float  # standard deviation, part of the speed
+    per_load: float  # 1 / ρ
     steering: float  # rad²
     gyro: float  # (rad/s)²
     position: float  # m²
     heading: float  # rad²
     gate: float  # square of the largest normalised innovation
-    patience: float  # s, after which a pose that does not fit is believed
+    patience: float  # number of poses in a row that are not believed before one is
+
+
+CALM = 1.5  # mean square of normalised innovations up to which nothing is doubted
 
 
 @kernel
 def yaw(m: Kinematics, p: EkfParameters) -> Any:
-    """Yaw rate ω, and its slopes along φ (and b), v and k."""
+    """Yaw rate ω without δ, and its slopes along φ (and b), v and k."""
     tangent = tan(m.steering_angle + m.steering_bias)
     base = effective_base(m, p)
     rate = m.speed * tangent / base
     per_angle = m.speed * (1.0 + tangent * tangent) / base
-    per_speed = tangent * p.wheelbase / (base * base)
-    return rate, per_angle, per_speed, -rate * m.speed / base
+    per_speed = tangent * (2.0 * p.wheelbase - base) / (base * base)
+    return rate, per_angle, per_speed, -rate * m.speed * m.speed / base
 
 
 @kernel
 def effective_base(m: Kinematics, p: EkfParameters) -> float:
-    """Wheelbase (m) of the twin that steers as the robot does: a + k v."""
-    base = p.wheelbase + m.understeer * m.speed
+    """Wheelbase (m) of the twin that steers as the robot does: a + k v²."""
+    base = p.wheelbase + m.understeer * m.speed * m.speed
     least = 0.5 * p.wheelbase
     return base if base > least else least
 
@@ -94,7 +106,7 @@ def effective_base(m: Kinematics, p: EkfParameters) -> float:
 def step_forward(m: Kinematics, told: Told, p: EkfParameters) -> Any:
     """The state one period later, and the slopes of that map."""
     rate, _, _, _ = yaw(m, p)
-    course = m.heading - m.slip * rate
+    course = m.heading - m.slip * m.speed * (rate + m.swerve)
     base = effective_base(m, p)
     pipe = PipeParameters(p.half, base, p.period, 0.0)
     begin = Pose(
@@ -103,12 +115,13 @@ def step_forward(m: Kinematics, told: Told, p: EkfParameters) -> Any:
     end = roll(begin, told.steering_angle + m.steering_bias, told.acceleration, pipe)
     angle = end.steering.angle - m.steering_bias
     after = Kinematics(
-        end.x, end.y, m.heading + (end.heading - course), end.speed, angle, end.steering.rate,
-        m.steering_bias, m.speed_scale, m.gyro_bias, m.slip, m.understeer,
+        end.x, end.y, m.heading + (end.heading - course) + p.period * m.swerve, end.speed, angle,
+        end.steering.rate, m.steering_bias, m.speed_scale, m.gyro_bias, m.slip, m.understeer,
+        p.swerve * m.swerve,
     )  # fmt: skip
     middle = Kinematics(
         0.0, 0.0, 0.0, 0.5 * (m.speed + end.speed), 0.5 * (m.steering_angle + angle), 0.0,
-        m.steering_bias, 0.0, 0.0, 0.0, m.understeer,
+        m.steering_bias, 0.0, 0.0, 0.0, m.understeer, 0.0,
     )  # fmt: skip
     omega, per_angle, per_speed, per_understeer = yaw(middle, p)
     sine, cosine = sincos(0.5 * (course + end.heading))
@@ -118,14 +131,16 @@ def step_forward(m: Kinematics, told: Told, p: EkfParameters) -> Any:
     slopes = Slopes(
         x_heading=-way * sine,
         x_speed=t * cosine,
-        x_slip=way * omega * sine,
+        x_slip=way * middle.speed * omega * sine,
         y_heading=way * cosine,
         y_speed=t * sine,
-        y_slip=-way * omega * cosine,
+        y_slip=-way * middle.speed * omega * cosine,
         turn=t * per_angle,
         turn_rate=0.5 * t * t * per_angle,
         turn_speed=t * per_speed,
         turn_understeer=t * per_understeer,
+        turn_swerve=t,
+        swerve=p.swerve,
         e11=h.e11 * h.e11 + h.e12 * h.e21,
         e12=h.e11 * h.e12 + h.e12 * h.e22,
         e21=h.e21 * h.e11 + h.e22 * h.e21,
@@ -135,17 +150,32 @@ def step_forward(m: Kinematics, told: Told, p: EkfParameters) -> Any:
 
 
 @kernel
-def wheel_clue(m: Kinematics, side: float, reading: float, p: EkfParameters) -> Clue:
-    """A drive wheel's encoder, ``side`` (m) to the left of O: (1 + g)(v − side ω)."""
-    rate, per_angle, per_speed, per_understeer = yaw(m, p)
+def speed_clue(m: Kinematics, z: Measurement, acceleration: float, p: EkfParameters) -> Clue:
+    """The mean of both drive wheels' encoders: (1 + g) (1 + c v̇ / ρ) v, ρ being their share of the load.
+
+    The same tyres slip along as across; what they do besides makes the reading less certain.
+    """
+    traction = acceleration * p.per_load
+    tread = 1.0 + m.slip * traction
+    scale = (1.0 + m.speed_scale) * tread
+    slip = p.wheel_slip * m.speed
+    slope = axpy(scale, UNITS.speed, axpy(m.speed * tread, UNITS.speed_scale, ZERO))
+    slope = axpy((1.0 + m.speed_scale) * m.speed * traction, UNITS.slip, slope)
+    return Clue(slope, 0.5 * (z.left + z.right) - scale * m.speed, p.speed + slip * slip, math.inf)
+
+
+@kernel
+def difference_clue(m: Kinematics, z: Measurement, p: EkfParameters) -> Clue:
+    """Their difference: (1 + g) d ω, less certain because tyres under different loads slip differently."""
+    steered, per_angle, per_speed, per_understeer = yaw(m, p)
+    rate = steered + m.swerve
     scale = 1.0 + m.speed_scale
-    arm = -scale * side
-    speed = m.speed - side * rate
+    arm = scale * p.track
     slope = Kinematics(
-        0.0, 0.0, 0.0, scale + arm * per_speed, arm * per_angle, 0.0, arm * per_angle, speed, 0.0,
-        0.0, arm * per_understeer,
+        0.0, 0.0, 0.0, arm * per_speed, arm * per_angle, 0.0, arm * per_angle, p.track * rate, 0.0,
+        0.0, arm * per_understeer, arm,
     )  # fmt: skip
-    return Clue(slope, reading - scale * speed, p.wheel, p.gate)
+    return Clue(slope, z.right - z.left - arm * rate, p.difference, math.inf)
 
 
 @kernel
@@ -153,9 +183,9 @@ def gyro_clue(m: Kinematics, reading: float, p: EkfParameters) -> Clue:
     """The gyro: ω + β."""
     rate, per_angle, per_speed, per_understeer = yaw(m, p)
     slope = Kinematics(
-        0.0, 0.0, 0.0, per_speed, per_angle, 0.0, per_angle, 0.0, 1.0, 0.0, per_understeer
+        0.0, 0.0, 0.0, per_speed, per_angle, 0.0, per_angle, 0.0, 1.0, 0.0, per_understeer, 1.0
     )
-    return Clue(slope, reading - rate - m.gyro_bias, p.gyro, p.gate)
+    return Clue(slope, reading - rate - m.swerve - m.gyro_bias, p.gyro, math.inf)
 
 
 @kernel
@@ -175,7 +205,7 @@ def place_then(trail: Any, instants: float) -> Place:
 
 @kernel
 def fix_clues(
-    m: Kinematics, c: Covariance, trail: Any, z: Measurement, age: float, p: EkfParameters
+    m: Kinematics, c: Covariance, trail: Any, z: Measurement, rejected: float, p: EkfParameters
 ) -> Any:
     """The three readings of a pose, taken in or left out together."""
     now = trail[0]
@@ -191,7 +221,7 @@ def fix_clues(
     far = off_x * off_x > p.gate * (c.x.x + p.position)
     far = far or off_y * off_y > p.gate * (c.y.y + p.position)
     far = far or off_heading * off_heading > p.gate * (c.heading.heading + p.heading)
-    strange = far and age < p.patience
+    strange = far and rejected < p.patience
     taken = math.nan if strange else 0.0
     gate = math.inf
     return (
@@ -213,32 +243,39 @@ def see(m: Kinematics, evidence: Evidence, p: EkfParameters) -> Sight:
     rate, _, _, _ = yaw(m, p)
     stretch = effective_base(m, p) / p.wheelbase
     angle = atan(tan(m.steering_angle + m.steering_bias) / stretch)
-    motion = Motion(m.x, m.y, m.heading - m.slip * rate, m.speed, rate, angle)
+    course = m.heading - m.slip * m.speed * (rate + m.swerve)
+    motion = Motion(m.x, m.y, course, m.speed, rate + m.swerve, angle)
     return Sight(motion, m.steering_bias, stretch, evidence)
 
 
 @kernel
-def doubt_servo(z: Measurement, m: Kinematics, c: Covariance, p: EkfParameters) -> Kinematics:
-    """The variance of this period; what the servo's model cannot explain, its encoder knows better."""
+def doubt(z: Measurement, m: Kinematics, belief: Belief, p: EkfParameters) -> Kinematics:
+    """The variance of this period.
+
+    Poses that surprise more than they should mean that the robot moves in ways that the filter does not
+    know; and what the servo's model cannot explain, its encoder knows better.
+    """
+    excess = belief.evidence.surprise - CALM
+    wander = axpy(excess if excess > 0.0 else 0.0, p.doubt, p.wander)
     miss = z.steering_angle - m.steering_angle
     square = miss * miss
-    odd = square > p.gate * (c.steering_angle.steering_angle + p.steering)
-    return axpy(square if odd else 0.0, UNITS.steering_angle, p.wander)
+    variance = belief.covariance.steering_angle.steering_angle + p.steering
+    return axpy(square if square > p.gate * variance else 0.0, UNITS.steering_angle, wander)
 
 
 @kernel
 def estimate_kinematics(z: Measurement, told: Told, belief: Belief, p: EkfParameters) -> Any:
     """Predict, then correct by everything that arrived."""
     mean, slopes = step_forward(belief.mean, told, p)
-    covariance = spread(belief.covariance, slopes, doubt_servo(z, mean, belief.covariance, p))
+    covariance = spread(belief.covariance, slopes, doubt(z, mean, belief, p))
     trail = (follow_trail(belief.trail[0], belief.mean, mean),) + belief.trail[:-1]
 
     age = belief.evidence.fix_age + p.period
     angle = Clue(UNITS.steering_angle, z.steering_angle - mean.steering_angle, p.steering, math.inf)
     clues = (
-        wheel_clue(mean, p.side, z.left, p), wheel_clue(mean, -p.side, z.right, p), angle,
+        speed_clue(mean, z, told.acceleration, p), difference_clue(mean, z, p), angle,
         gyro_clue(mean, z.yaw_rate, p),
-    ) + fix_clues(mean, covariance, trail, z, age, p)  # fmt: skip
+    ) + fix_clues(mean, covariance, trail, z, belief.rejected, p)  # fmt: skip
     learned = Learned(ZERO, covariance)
     fix_nis = 0.0
     for n in range(len(clues)):
@@ -250,7 +287,10 @@ def estimate_kinematics(z: Measurement, told: Told, belief: Belief, p: EkfParame
     surprise = surprise + (0.1 * (fix_nis / 3.0 - surprise) if fixed else 0.0)
     evidence = Evidence(0.0 if fixed else age, surprise)
     last = fix_nis if fixed else belief.fix_nis
-    return see(mean, evidence, p), Belief(mean, learned.covariance, trail, evidence, last)
+    rejected = belief.rejected + (1.0 if z.fix.x == z.fix.x else 0.0)
+    rejected = 0.0 if fixed else rejected
+    following = Belief(mean, learned.covariance, trail, evidence, rejected, last)
+    return see(mean, evidence, p), following
 
 
 @kernel
@@ -276,32 +316,49 @@ class Ekf(Spec):
     position_noise: float = quantity("m", "of a measured position, each axis", default=0.01, gt=0)
     heading_noise: float = quantity("rad", "of a measured heading", default=0.0087, gt=0)
     wheel_noise: float = quantity("m/s", "of each wheel's encoder", default=0.007, gt=0)
+    wheel_slip: float = quantity(
+        "1", "of the drive wheels' slip under traction, part of the speed", default=0.005, ge=0
+    )
+    tyre_noise: float = quantity(
+        "m/s", "of the drive wheels' difference, for tyres that slip", default=0.03, ge=0
+    )
     steering_noise: float = quantity("rad", "of the steering encoder", default=0.00175, gt=0)
     gyro_noise: float = quantity("rad/s", "of the gyro", default=0.002, gt=0)
     steering_bias: float = quantity("rad", "of the unknown steering offset", default=0.02, ge=0)
     speed_scale: float = quantity("1", "of the unknown wear of the wheels", default=0.02, ge=0)
     gyro_bias: float = quantity("rad/s", "of the gyro's unknown bias", default=0.01, ge=0)
-    slip: float = quantity("s", "of the unknown rear slip c", default=0.005, ge=0)
-    understeer: float = quantity("s", "of the unknown understeer k", default=0.005, ge=0)
+    slip: float = quantity("rad s²/m", "of the unknown rear slip c", default=0.002, ge=0)
+    understeer: float = quantity("rad s²/m", "of the unknown understeer k", default=0.001, ge=0)
     bias_drift: float = quantity(
         "1/s^0.5", "of bias, scale and slip per root second, part of their own deviation",
-        default=0.02, ge=0,
+        default=0.002, ge=0,
     )  # fmt: skip
-    pose_drift: float = quantity("m/s^0.5", "of the pose that nothing explains", default=1e-4, ge=0)
-    heading_drift: float = quantity("rad/s^0.5", "of the heading", default=2e-4, ge=0)
-    acceleration_noise: float = quantity("m/s^1.5", "of the speed", default=0.05, ge=0)
-    servo_noise: float = quantity("rad/s^1.5", "of the steering rate", default=0.2, ge=0)
+    pose_drift: float = quantity("m/s^0.5", "of the pose that nothing explains", default=3e-4, ge=0)
+    heading_drift: float = quantity("rad/s^0.5", "of the heading", default=5e-5, ge=0)
+    acceleration_noise: float = quantity("m/s^1.5", "of the speed", default=0.1, ge=0)
+    servo_noise: float = quantity("rad/s^1.5", "of the steering rate", default=0.05, ge=0)
+    swerve: float = quantity(
+        "rad/s", "of the yaw rate that steering does not explain", default=0.01, ge=0
+    )
+    swerve_time: float = quantity("s", "in which that forgets itself", default=0.1, gt=0)
+    doubt: float = quantity(
+        "m/s^0.5",
+        "of the pose, when poses surprise twice as much as they should",
+        default=1e-3,
+        ge=0,
+    )
     gate: float = quantity(
         "1", "largest innovation that is believed, in standard deviations", default=5.0, gt=1
     )
-    patience: float = quantity(
-        "s", "without a believed pose, before any is believed", default=1.0, gt=0
+    patience: int = quantity(
+        "1", "poses in a row that are not believed, before one is", default=3, ge=0
     )
     history: float = quantity("s", "how late a pose may arrive", default=0.06, ge=0, le=1)
 
     def part(self, robot: Tricycle, start: Start, period: float) -> EstimatorPart:
         """Kernel, parameters and initial belief of a robot that stands about where it is said to."""
         q = self.bias_drift**2 * period
+        left = math.exp(-period / self.swerve_time)
         slow = {
             name: getattr(self, name)
             for name in ("steering_bias", "speed_scale", "gyro_bias", "slip", "understeer")
@@ -314,20 +371,30 @@ class Ekf(Spec):
             steering_angle=0.0,
             steering_rate=self.servo_noise**2 * period,
             **{name: q * deviation**2 for name, deviation in slow.items()},
+            swerve=self.swerve**2 * (1.0 - left**2),
+        )
+        vague = period * self.doubt**2
+        doubt = ZERO._replace(
+            x=vague, y=vague, heading=vague / robot.wheelbase**2, speed=vague, swerve=vague
         )
         parameters = EkfParameters(
             half=robot.actuators.servo(0.5 * period),
             wheelbase=robot.wheelbase,
-            side=0.5 * robot.track_width,
+            track=robot.track_width,
             period=period,
             wander=wander,
-            wheel=self.wheel_noise**2,
+            doubt=doubt,
+            swerve=left,
+            speed=0.5 * self.wheel_noise**2,
+            wheel_slip=self.wheel_slip,
+            per_load=1.0 / max(0.1, 1.0 - robot.centre_ahead / robot.wheelbase),
+            difference=2.0 * self.wheel_noise**2 + self.tyre_noise**2,
             steering=self.steering_noise**2,
             gyro=self.gyro_noise**2,
             position=self.position_noise**2,
             heading=self.heading_noise**2,
             gate=self.gate**2,
-            patience=self.patience,
+            patience=float(self.patience),
         )
         return EstimatorPart(estimate_kinematics, parameters, self._belief(robot, start, period))
 
@@ -340,7 +407,7 @@ class Ekf(Spec):
         deviations = Kinematics(
             self.position_noise, self.position_noise, self.heading_noise, 0.01,
             self.steering_noise, 0.01, self.steering_bias, self.speed_scale, self.gyro_bias,
-            self.slip, self.understeer,
+            self.slip, self.understeer, self.swerve,
         )  # fmt: skip
         rows = (
             Kinematics(*(d * d * entry for entry in unit))
@@ -348,4 +415,4 @@ class Ekf(Spec):
         )
         instants = math.ceil(self.history / period - 1e-9) + 1
         trail = (Place(0.0, 0.0, 0.0),) * (1 << (instants - 1).bit_length())
-        return Belief(mean, Covariance(*rows), trail, TRUSTED, 3.0)
+        return Belief(mean, Covariance(*rows), trail, TRUSTED, 0.0, 3.0)

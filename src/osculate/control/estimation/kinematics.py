@@ -21,8 +21,9 @@ class Kinematics(NamedTuple):
     steering_bias: float  # rad, b: wheel minus servo
     speed_scale: float  # g: encoders report (1 + g) times the speed
     gyro_bias: float  # rad/s, β
-    slip: float  # s, c
-    understeer: float  # s, k
+    slip: float  # rad s²/m, c: slip angle of O per lateral acceleration
+    understeer: float  # rad s²/m, k: understeer gradient
+    swerve: float  # rad/s, δ: yaw rate that steering does not explain
 
 
 class Covariance(NamedTuple):
@@ -39,6 +40,7 @@ class Covariance(NamedTuple):
     gyro_bias: Kinematics
     slip: Kinematics
     understeer: Kinematics
+    swerve: Kinematics
 
 
 class Slopes(NamedTuple):
@@ -54,6 +56,8 @@ class Slopes(NamedTuple):
     turn_rate: float  # ∂θ/∂φ̇
     turn_speed: float
     turn_understeer: float
+    turn_swerve: float
+    swerve: float  # what is left of δ
     e11: float
     e12: float
     e21: float
@@ -95,11 +99,13 @@ def carry(c: Covariance, f: Slopes) -> Covariance:
     heading = axpy(f.turn, c.steering_bias, axpy(f.turn, c.steering_angle, c.heading))
     heading = axpy(f.turn_rate, c.steering_rate, axpy(f.turn_speed, c.speed, heading))
     heading = axpy(f.turn_understeer, c.understeer, heading)
+    heading = axpy(f.turn_swerve, c.swerve, heading)
+    swerve = axpy(f.swerve, c.swerve, ZERO)
     angle = axpy(f.e11, c.steering_angle, axpy(f.e12, c.steering_rate, ZERO))
     rate = axpy(f.e21, c.steering_angle, axpy(f.e22, c.steering_rate, ZERO))
     return Covariance(
         x, y, heading, c.speed, angle, rate, c.steering_bias, c.speed_scale, c.gyro_bias, c.slip,
-        c.understeer,
+        c.understeer, swerve,
     )  # fmt: skip
 
 
@@ -118,6 +124,7 @@ def widen(c: Covariance, q: Kinematics) -> Covariance:
         axpy(q.gyro_bias, UNITS.gyro_bias, c.gyro_bias),
         axpy(q.slip, UNITS.slip, c.slip),
         axpy(q.understeer, UNITS.understeer, c.understeer),
+        axpy(q.swerve, UNITS.swerve, c.swerve),
     )
 
 
@@ -127,7 +134,7 @@ def times(c: Covariance, h: Kinematics) -> Kinematics:
     return Kinematics(
         dot(c.x, h), dot(c.y, h), dot(c.heading, h), dot(c.speed, h), dot(c.steering_angle, h),
         dot(c.steering_rate, h), dot(c.steering_bias, h), dot(c.speed_scale, h),
-        dot(c.gyro_bias, h), dot(c.slip, h), dot(c.understeer, h),
+        dot(c.gyro_bias, h), dot(c.slip, h), dot(c.understeer, h), dot(c.swerve, h),
     )  # fmt: skip
 
 
@@ -156,5 +163,6 @@ def learn(so_far: Learned, clue: Clue) -> Any:
         axpy(g.gyro_bias, gain, c.gyro_bias),
         axpy(g.slip, gain, c.slip),
         axpy(g.understeer, gain, c.understeer),
+        axpy(g.swerve, gain, c.swerve),
     )
     return Learned(shift, covariance), nis
