@@ -63,10 +63,15 @@ def run(
         list[Path] | None,
         typer.Option("--save", help="Also save the run here: .nc, .mcap (ROS 2), .rrd (Rerun)."),
     ] = None,
+    video: Annotated[
+        Path | None, typer.Option("--video", help="Film the run: .mp4 or .gif; needs no display.")
+    ] = None,
+    view: Annotated[bool, typer.Option("--view", help="Show the run in MuJoCo's viewer.")] = False,
 ) -> None:
     """Run a scenario: obstacle, curve, speed target, controllers, simulation, report."""
     from osculate.study.scenario import Scenario
 
+    _check_film(video, view)
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
@@ -81,8 +86,31 @@ def run(
         out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
     for path in save or ():
         out.print(f"Saved: [bold]{result.save(path)}[/bold]", soft_wrap=True)
+    _film(result, video, view)
     if result.diverged:
         raise typer.Exit(1)
+
+
+def _check_film(video: Path | None, view: bool) -> None:
+    """Complain before a simulation that may take long, not after it."""
+    from osculate.simulation.recording.video import check_video, require_display
+
+    if video:
+        check_video(video)
+    if view:
+        require_display()
+
+
+def _film(result: "Run", video: Path | None, view: bool) -> None:
+    from osculate.simulation.recording.video import view as show
+    from osculate.simulation.recording.video import write_video
+
+    if video:
+        with progress("filming") as report:
+            write_video(result, video, report=report)
+        out.print(f"Film: [bold]{video}[/bold]", soft_wrap=True)
+    if view:
+        show(result)
 
 
 @app.command()
@@ -157,12 +185,24 @@ def compare(
     curves: Annotated[str, typer.Option(help="Built-in curves or files, by commas.")] = "",
     speeds: Annotated[str, typer.Option(help="Largest speeds (m/s), by commas.")] = "0.5,1,2",
     starts: Annotated[
-        str, typer.Option(help="on-path, offset, metre, across; by commas.")
-    ] = "on-path,offset",
+        str,
+        typer.Option(
+            help="on-path, running (counted after 3 m), offset, metre, across; by commas. By default "
+            "on-path and offset, in the reality suite running."
+        ),
+    ] = "",
     plants: Annotated[
         str,
-        typer.Option(help="ideal, slow-servo, late, payload, worn-wheels, bent-steering, mujoco."),
+        typer.Option(
+            "--plants", "--plant", help="Conditions, by commas: ideal, noisy, slip, mujoco, late, …"
+        ),
+    ] = "",
+    suite: Annotated[
+        str, typer.Option(help="ideal, or reality: noise, slip, MuJoCo and every fault.")
     ] = "ideal",
+    draws: Annotated[
+        int, typer.Option(min=1, help="Runs of every combination that has random numbers.")
+    ] = 3,
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
     output: Annotated[
@@ -174,8 +214,9 @@ def compare(
     from osculate.study.comparison import compare as run_comparison
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import starts as known_starts
-    from osculate.study.comparison.report import ranking_table
+    from osculate.study.comparison.report import MEANING, OURS, ranking_table
     from osculate.study.comparison.suite import conditions
+    from osculate.study.comparison.verdicts import condition_table, summary, verdicts
     from osculate.vehicle import vehicle_named
 
     laws: dict[str, Any] = {**TRACKERS, "nmpc": Nmpc()}
@@ -185,16 +226,17 @@ def compare(
             chosen,
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
-            start=known_starts(_names(starts)),
-            condition=conditions(_names(plants)),
+            start=known_starts(_names(starts) or (["running"] if suite == "reality" else None)),
+            condition=conditions(_names(plants), suite),
             robot=vehicle_named(robot),
+            draws=draws,
             report=report,
         )
-    header, *rows = ranking_table(result)
-    table = Table(*header, header_style="bold")
-    for row in rows:
-        table.add_row(*row)
-    out.print(table)
+    _print_table(ranking_table(result))
+    if len({cell["plant"] for cell in result.cells}) > 1 and OURS in result.controllers:
+        _print_table(condition_table(result, OURS))
+        out.print(MEANING, style="dim")
+        out.print(summary(verdicts(result, OURS)))
     written = result.write(output)
     out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
 
@@ -294,6 +336,14 @@ def progress(what: str) -> Iterator[Callable[[float], None]]:
             bar.update(task, completed=fraction)
 
         yield report
+
+
+def _print_table(rows: list[list[str]]) -> None:
+    header, *body = rows
+    table = Table(*header, header_style="bold")
+    for row in body:
+        table.add_row(*row)
+    out.print(table)
 
 
 def _print_rows(title: str, rows: list[tuple[str, str]]) -> None:

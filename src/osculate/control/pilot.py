@@ -4,6 +4,7 @@ A pilot is what runs on a robot: a measurement in, a command out, once a period.
 measurement is the motion itself.
 """
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from osculate.control.contract import Start
@@ -117,6 +118,7 @@ def pilot_part(
         estimator: Where motions come from; None if they are measured themselves.
         safety: What guards the law.
     """
+    road = replace(road, exact=estimator is None)
     guard = safety.part(road, motion) if safety else UNGUARDED
     part = law.tracking_part(road, start, progress, guard)
     if estimator is None:

@@ -447,7 +447,7 @@ def surroundings(setup: Setup, world: World) -> Surroundings:
     if setup.sensors is not None and isinstance(clock, Sampled):
         sensors, memory = setup.sensors.part(clock.period, world.outages)
         bindings["sense"] = sense_noisily
-    if world.calm:
+    if world.calm and setup.sensors is None:  # noisy worlds share one kind of machine code
         return Surroundings(bindings, sensors, memory, Nothing(), Nothing())
     bindings |= {"blow": blow_all, "impair": impair}
     return Surroundings(bindings, sensors, memory, world.padded_blows, world.impairment)

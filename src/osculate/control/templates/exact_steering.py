@@ -14,12 +14,13 @@ from osculate.control.tracking.curvature_tracker import (
     Wish,
     clamp_error,
 )
-from osculate.control.tracking.pipe import look_ahead
+from osculate.control.tracking.pipe import Pose, look_ahead
 from osculate.curve.table import CurveTable, curvature_at
-from osculate.kernel import Nothing, kernel
+from osculate.kernel import kernel
 from osculate.kernel.maths import atan, sincos, tan
 
 if TYPE_CHECKING:  # part, bound by `compose`
+    from osculate.control.tracking.adaptation import adapt
     from osculate.control.tracking.curvature_tracker import demand_exactly as demand
 
 
@@ -84,11 +85,22 @@ def caution(
 
 
 @kernel
+def lean(pose: Pose, view: View, slip: float, p: ExactParameters) -> Pose:
+    """The pose of a robot whose direction of motion gives way to the lateral acceleration."""
+    before = view.motion.speed * view.motion.yaw_rate
+    after = pose.speed * pose.speed * tan(pose.steering.angle) / p.wheelbase
+    heading = pose.heading - slip * (after - before)
+    return Pose(pose.x, pose.y, heading, pose.speed, pose.steering)
+
+
+@kernel
 def steer_exactly(
-    view: View, memory: Nothing, p: ExactParameters, curve: CurveTable, tables: NDArray[np.float64]
+    real: View, memory: Any, p: ExactParameters, curve: CurveTable, tables: NDArray[np.float64]
 ) -> Any:
     """Steering command, speed bound and memory: see `osculate.control.tracking.curvature_tracker`."""
-    pose = look_ahead(view, p.pipe)
+    twin, known = adapt(real, memory, p.adaptation)
+    view = twin.seen
+    pose = lean(look_ahead(view, twin.shift, p.pipe), view, twin.slip, p)
     moved = view.foot.arc_length + p.pipe.delay * p.pipe.period * view.motion.speed
     foot = foot_of(pose.x, pose.y, pose.heading, moved, curve, tables)
     speed = pose.speed if pose.speed > 0.02 else 0.02
@@ -103,7 +115,7 @@ def steer_exactly(
     early, middle, late = wish0.steering_angle, wish1.steering_angle, wish2.steering_angle
     rate = (3.0 * late - 4.0 * middle + early) / (2.0 * p.horizon)
     command = (
-        p.angle_gain * late
+        p.angle_gain * (late + twin.lead * rate)
         + p.rate_gain * rate
         + p.angle_feedback * pose.steering.angle
         + p.rate_feedback * pose.steering.rate
@@ -111,4 +123,4 @@ def steer_exactly(
     length = p.time * speed
     length = length if length > p.shortest else p.shortest
     bound = caution(wish0, rate, pose.steering.angle, speed, length, p)
-    return command, bound, memory
+    return command - twin.shift, bound, known

@@ -120,6 +120,7 @@ class Road:
     profile: Grid
     period: float  # s
     delay: int  # periods between a decision and its effect
+    exact: bool = True  # whether motions are known, not estimated
 
 
 def survey(

@@ -21,6 +21,12 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from osculate.control.tracking.adaptation import (
+    STRANGER,
+    AdaptationParameters,
+    adapt,
+    adapt_nothing,
+)
 from osculate.control.tracking.contract import PathTracker, Road, SteerPart
 from osculate.control.tracking.pipe import PipeParameters
 from osculate.kernel import Nothing, compose, kernel
@@ -65,6 +71,7 @@ class ExactParameters(NamedTuple):
     steering_rate: float  # rad/s, largest that it may ask for
     heading_gain: float  # of the linear law: 1/m
     aside_gain: float  # of the linear law: 1/m²
+    adaptation: Any  # parameters of what is learned
 
 
 @kernel
@@ -116,12 +123,17 @@ class CurvatureTracker(PathTracker):
         "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0
     )
     horizon: float = quantity("s", "h, half of the servo's inversion", default=0.02, gt=0)
+    learning: float = quantity(
+        "s", "time in which slip and steering offset are learned from exact poses; 0: never",
+        default=0.2, ge=0,
+    )  # fmt: skip
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
         return exact_part(
             road, demand_exactly, horizon=self.horizon, tightness=self.tightness,
             approach_angle=self.approach_angle, lateral=self.lateral_acceleration,
+            learning=self.learning if road.exact else 0.0,
         )  # fmt: skip
 
 
@@ -134,6 +146,7 @@ def exact_part(
     tightness: float = 1.0,
     approach_angle: float = math.pi / 4.0,
     linear: tuple[float, float] = (0.0, 0.0),
+    learning: float = 0.0,
 ) -> SteerPart:
     """The steering law with one of the two demands.
 
@@ -145,6 +158,7 @@ def exact_part(
         tightness: See `CurvatureTracker`; a linear demand uses it for its caution only.
         approach_angle: Steepest approach (rad), of the exact demand.
         linear: Gains of y (1/m²) and e (1/m), of the linear demand.
+        learning: Time in which slip and offset are learned (s); 0 learns nothing.
     """
     robot, act = road.robot, road.robot.actuators
     horizon = max(horizon, road.period)
@@ -165,7 +179,13 @@ def exact_part(
         steering_rate=0.85 * act.steering_rate_limit,
         aside_gain=linear[0],
         heading_gain=linear[1],
+        adaptation=Nothing(),
     )
     template = "osculate.control.templates.exact_steering"
-    steer = compose(template, {"demand": demand}).steer_exactly
-    return SteerPart(steer, parameters, Nothing())
+    if learning == 0.0:
+        steer = compose(template, {"demand": demand, "adapt": adapt_nothing}).steer_exactly
+        return SteerPart(steer, parameters, Nothing())
+    rate = road.period / (learning + road.period)
+    adaptation = AdaptationParameters(road.period, robot.wheelbase, rate)
+    steer = compose(template, {"demand": demand, "adapt": adapt}).steer_exactly
+    return SteerPart(steer, parameters._replace(adaptation=adaptation), STRANGER)

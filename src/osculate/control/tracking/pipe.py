@@ -54,11 +54,11 @@ def roll(pose: Pose, command: float, acceleration: float, p: PipeParameters) -> 
 
 
 @kernel
-def look_ahead(view: View, p: PipeParameters) -> Any:
-    """The pose when the next decision acts."""
+def look_ahead(view: View, shift: float, p: PipeParameters) -> Any:
+    """The pose when the next decision acts; ``shift`` (rad) is added to the commands issued."""
     motion = view.motion
     pose = Pose(motion.x, motion.y, motion.heading, motion.speed, view.steering)
     if p.delay > 0.0:
         for n in range(len(view.pending) - 1, -1, -1):
-            pose = roll(pose, view.pending[n].steering_angle, view.acceleration, p)
+            pose = roll(pose, view.pending[n].steering_angle + shift, view.acceleration, p)
     return pose

@@ -1,17 +1,30 @@
 """Controllers compared on the same work, and tuned on other work."""
 
 from osculate.study.comparison.compare import Comparison, compare
-from osculate.study.comparison.suite import CONDITIONS, Condition, curves, starts, training_curves
+from osculate.study.comparison.suite import (
+    CONDITIONS,
+    REALITY,
+    STOPS,
+    Condition,
+    curves,
+    starts,
+    training_curves,
+)
 from osculate.study.comparison.tune import Tuning, tune
+from osculate.study.comparison.verdicts import Verdict, verdicts
 
 __all__ = [
     "CONDITIONS",
+    "REALITY",
+    "STOPS",
     "Comparison",
     "Condition",
     "Tuning",
+    "Verdict",
     "compare",
     "curves",
     "starts",
     "training_curves",
     "tune",
+    "verdicts",
 ]

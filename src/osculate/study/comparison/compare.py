@@ -3,7 +3,7 @@
 import itertools
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,8 +15,8 @@ from osculate.control.tracking import TRACKERS, PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
-from osculate.plant import Mujoco
-from osculate.simulation import Batch, InitialState, Sampled, simulate, simulate_batch
+from osculate.plant import Mujoco, world_of
+from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
@@ -34,6 +34,7 @@ FIELDS = {  # of a cell, from the metrics of a run
     "energy": "energy",
     "speed_max": "speed_max",
 }
+TRACED = ("foot", "cross_track_error", "x", "y")
 UNITS = {
     "speed": "m/s", "cross_track_rms": "m", "cross_track_max": "m", "heading_error_rms": "rad",
     "duration": "s", "steering_travel": "rad", "torque_travel": "N m", "energy": "J",
@@ -149,6 +150,7 @@ def compare(
     robot: Tricycle | None = None,
     limits: Limits | None = None,
     clock: Sampled | None = None,
+    draws: int = 1,
     report: Callable[[float], None] | None = None,
 ) -> Comparison:
     """Run every combination and collect one cell for each.
@@ -162,6 +164,8 @@ def compare(
         robot: The robot; by default the paper's.
         limits: Limits of the speed plans; ``speed`` is replaced.
         clock: Period, known delay and step; the duration follows from the plans.
+        draws: How often every combination with random numbers is run, each time with another seed;
+            all controllers meet the same ones.
         report: Called with the fraction that is done.
 
     Raises:
@@ -181,63 +185,85 @@ def compare(
         for bound in allowed.values()
     )
     comparison = Comparison([], {}, paths)
-    done = 0
-    for name, law in laws.items():
-        for kind, state in states.items():
-            ticks = timing.model_dump() | {
-                "unknown_delay": timing.unknown_delay + state.unknown_delay,
-                "duration": PATIENCE * longest + 5.0,
+    duration = PATIENCE * longest + 5.0
+    tasks = [(name, kind) for name in laws for kind in states]
+    for done, (name, kind) in enumerate(tasks, 1):
+        state = states[kind]
+        count = draws if state.seeded else 1
+        cells = [(*cell, seed) for cell in grid for seed in range(1, count + 1)]
+        work = [
+            {
+                "curve": paths[c], "robot": body, "limits": allowed[v], "initial": begins[s],
+                **_surroundings(state.drawn(seed)),
             }
-            own = Sampled(**ticks)
-            if isinstance(law, ExternalTracker) or isinstance(state.plant, Mujoco):
-                for c, v, s in grid:
-                    run = simulate(
-                        paths[c], body, limits=allowed[v], initial=begins[s], plant=state.plant,
-                        controller=law, clock=own,
-                    )  # fmt: skip
-                    comparison.cells.append(_cell((name, c, v, s, kind), run.metrics, None))
-                    names = ("foot", "cross_track_error", "x", "y")
-                    every = max(1, round(RECORD / own.step))
-                    columns = (run.columns[column][::every] for column in names)
-                    comparison.traces[(name, c, f"{v:g}", s, kind)] = Trace(*columns)
-                continue
-            batch = simulate_batch(
-                [paths[c] for c, _, _ in grid],
-                body,
-                limits=[allowed[v] for _, v, _ in grid],
-                initial=[begins[s] for _, _, s in grid],
-                plant=state.plant,
-                controller=law,
-                clock=own,
-                record_every=max(1, round(RECORD / own.step)),
-            )
-            for n, (c, v, s) in enumerate(grid):
-                comparison.cells.append(_cell((name, c, v, s, kind), batch.metrics, n))
-                key = (name, c, f"{v:g}", s, kind)
-                comparison.traces[key] = _trace(batch, n)
-            done += 1
-            if report:
-                report(done / (len(laws) * len(states)))
+            for c, v, s, seed in cells
+        ]  # fmt: skip
+        own = _clock(timing, state, body, duration)
+        alone = isinstance(laws[name], ExternalTracker) or isinstance(state.plant, Mujoco)
+        run = _run_alone if alone else _run_together
+        for (c, v, s, seed), (values, trace) in zip(cells, run(work, laws[name], own), strict=True):
+            comparison.cells.append(_cell((name, c, v, s, kind, seed), values, state))
+            comparison.traces.setdefault((name, c, f"{v:g}", s, kind), trace)
+        if report:
+            report(done / len(tasks))
     return comparison
 
 
-def _cell(key: tuple[Any, ...], metrics: Any, n: int | None) -> dict[str, Any]:
-    """The cell of run ``n`` of a batch, or of a single run."""
+def _surroundings(state: Condition) -> dict[str, Any]:
+    return {
+        "plant": state.plant, "sensors": state.sensors, "faults": state.faults,
+        "safety": state.safety,
+    }  # fmt: skip
 
-    def value(name: str) -> Any:
-        whole = getattr(metrics, name)
-        return whole if n is None else whole[n]
 
-    values = {name: float(value(field)) for name, field in FIELDS.items()}
-    ended = str(value("ended"))
-    failed = ended != "path end" or not values["cross_track_max"] <= OFF_ROAD
-    names = ("controller", "curve", "speed", "start", "plant")
+def _clock(timing: Sampled, state: Condition, robot: Tricycle, duration: float) -> Sampled:
+    """The clock of a condition: its plant may need a shorter step."""
+    plant = world_of(state.plant, state.faults).plant
+    steps = math.ceil(timing.period / min(timing.step, plant.longest_step(robot)) - 1e-9)
+    fields = timing.model_dump() | {
+        "step": timing.period / steps,
+        "unknown_delay": timing.unknown_delay + state.unknown_delay,
+        "duration": duration,
+    }
+    return Sampled(**fields)
+
+
+Outcome = tuple[dict[str, Any], Trace]
+
+
+def _run_alone(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:
+    """One run after the other: values of the metrics and trace of each."""
+    every = max(1, round(RECORD / clock.step))
+    for parts in work:
+        run = simulate(**parts, controller=law, clock=clock)
+        columns = (run.columns[name][::every] for name in TRACED)
+        yield run.metrics.as_dict(), Trace(*columns)
+
+
+def _run_together(
+    work: list[dict[str, Any]], law: PathTracker, clock: Sampled
+) -> Iterator[Outcome]:
+    """The same in lanes."""
+    same = {"robot": work[0]["robot"], "controller": law, "clock": clock}
+    each: dict[str, Any] = {
+        name: [parts[name] for parts in work] for name in work[0] if name not in same
+    }
+    batch = simulate_batch(**each, **same, record_every=max(1, round(RECORD / clock.step)))
+    names = [variable.name for variable in batch.variables]
+    columns = [names.index(name) for name in TRACED]
+    for n in range(len(work)):
+        record = batch.record[n]
+        alive = record[:, names.index("time")] <= batch.metrics.duration[n] + 1e-9
+        values = {k: None if v is None else v[n] for k, v in batch.metrics.as_dict().items()}
+        yield values, Trace(*(np.array(record[alive, column]) for column in columns))
+
+
+def _cell(key: tuple[Any, ...], metrics: dict[str, Any], state: Condition) -> dict[str, Any]:
+    """The cell of one run; a guarded robot that stops inside its corridor has not failed."""
+    values = {name: float(metrics[field]) for name, field in FIELDS.items()}
+    ended = str(metrics["ended"])
+    allowed = state.safety.half_width if state.safety else OFF_ROAD
+    arrived = ended == "path end" or (ended == "safety stop" and state.safety is not None)
+    failed = not arrived or not values["cross_track_max"] <= allowed
+    names = ("controller", "curve", "speed", "start", "plant", "seed")
     return {**dict(zip(names, key, strict=True)), **values, "failed": failed, "ended": ended}
-
-
-def _trace(batch: Batch, run: int) -> Trace:
-    index = {variable.name: column for column, variable in enumerate(batch.variables)}
-    record = batch.record[run]
-    alive = record[:, index["time"]] <= batch.metrics.duration[run] + 1e-9
-    columns = (record[alive, index[n]] for n in ("foot", "cross_track_error", "x", "y"))
-    return Trace(*(np.array(column) for column in columns))

@@ -9,7 +9,14 @@ import numpy as np
 
 from osculate.simulation.plot import new_figure
 from osculate.study.comparison.compare import Comparison
+from osculate.study.comparison.verdicts import condition_table, summary, verdicts
 
+OURS = "curvature-tracker"
+MEANING = (
+    "Mean RMS of the cross-track error in mm over the runs that arrived. + means significantly more than "
+    f"{OURS}, − less, = what cannot be told apart (paired, 95 % confidence). All controllers have the same "
+    "speed loop, estimator and random numbers."
+)
 COLOURS = ("#1f5fa8", "#d9730d", "#2e8b57", "#b3261e", "#7b4fa3", "#5b6470", "#b08900", "#0f8a8a")
 
 
@@ -68,7 +75,7 @@ def cell_table(comparison: Comparison) -> list[list[str]]:
     """Rows of all cells, the header first."""
     rows = [
         [
-            "controller", "curve", "speed (m/s)", "start", "plant", "RMS (mm)", "max (mm)",
+            "controller", "curve", "speed (m/s)", "start", "plant", "seed", "RMS (mm)", "max (mm)",
             "heading RMS (°)", "time (s)", "steering (rad)", "torque ripple (N m)", "work (J)", "",
         ]
     ]  # fmt: skip
@@ -77,7 +84,7 @@ def cell_table(comparison: Comparison) -> list[list[str]]:
 
 def _cell_row(c: dict[str, Any]) -> list[str]:
     return [
-        c["controller"], c["curve"], f"{c['speed']:g}", c["start"], c["plant"],
+        c["controller"], c["curve"], f"{c['speed']:g}", c["start"], c["plant"], str(c["seed"]),
         f"{1e3 * c['cross_track_rms']:.4g}", f"{1e3 * c['cross_track_max']:.4g}",
         f"{np.degrees(c['heading_error_rms']):.3g}", f"{c['duration']:.2f}",
         f"{c['steering_travel']:.2f}", f"{c['torque_travel']:.1f}", f"{c['energy']:.0f}",
@@ -94,11 +101,26 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
     )
     page = _PAGE.format(
         ranking=_table(ranking_table(comparison)),
+        verdicts=_verdicts(comparison),
         cells=_table(cell_table(comparison)),
         pictures=pictures,
     )
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _verdicts(comparison: Comparison) -> str:
+    """The tracker of this package against the others, condition by condition."""
+    kinds = {cell["plant"] for cell in comparison.cells}
+    if OURS not in comparison.controllers or len(comparison.controllers) < 2 or len(kinds) < 2:
+        return ""
+    found = verdicts(comparison, OURS)
+    items = "".join(f"<li>{html.escape(verdict.sentence)}</li>" for verdict in found)
+    return (
+        f"<h2>Under every condition</h2><p>{html.escape(MEANING)}</p>"
+        f'<div class="wide">{_table(condition_table(comparison, OURS))}</div>'
+        f"<p>{html.escape(summary(found))}</p><ul>{items}</ul>"
+    )
 
 
 def _table(rows: list[list[str]]) -> str:

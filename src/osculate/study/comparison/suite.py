@@ -3,12 +3,33 @@
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from pydantic import Field
 
+from osculate.control import Safety
 from osculate.curve import Chain, Curve, CurveFile, Cycloid, Parametric, Segment, Spline
 from osculate.errors import InvalidInput, choose
-from osculate.plant import Actuated, Mujoco
+from osculate.plant import (
+    Actuated,
+    AnyFault,
+    Fault,
+    Gusts,
+    Late,
+    Mujoco,
+    Payload,
+    SensorLoss,
+    Sensors,
+    Shove,
+    Slip,
+    Slippery,
+    Slope,
+    SlowServo,
+    SteeringOffset,
+    StuckSteering,
+    WeakMotor,
+    WheelWear,
+)
 from osculate.simulation import InitialState
 from osculate.spec import Spec, quantity
 
@@ -16,12 +37,30 @@ from osculate.spec import Spec, quantity
 class Condition(Spec):
     """How the robot differs from what its law believes."""
 
-    plant: Actuated | Mujoco = Field(default=Actuated(), discriminator="kind")
+    plant: Actuated | Slip | Mujoco = Field(default=Actuated(), discriminator="kind")
     unknown_delay: float = quantity("s", "delay that the law does not know", default=0.0, ge=0)
+    sensors: Sensors | None = None
+    faults: tuple[AnyFault, ...] = ()
+    safety: Safety | None = None
+
+    @property
+    def seeded(self) -> bool:
+        """Whether random numbers make one run differ from the next."""
+        return self.sensors is not None or any(isinstance(f, Gusts) for f in self.faults)
+
+    def drawn(self, seed: int) -> "Condition":
+        """The condition with other random numbers."""
+        if not self.seeded:
+            return self
+        sensors = self.sensors and self.sensors.model_copy(update={"seed": seed})
+        faults = tuple(
+            f.model_copy(update={"seed": seed}) if isinstance(f, Gusts) else f for f in self.faults
+        )
+        return self.model_copy(update={"sensors": sensors, "faults": faults})
 
 
 #: Conditions by name.
-CONDITIONS = {
+CONDITIONS: dict[str, Condition] = {
     "ideal": Condition(),
     "slow-servo": Condition(plant=Actuated(servo=0.7)),
     "late": Condition(unknown_delay=0.04),
@@ -30,6 +69,46 @@ CONDITIONS = {
     "mujoco": Condition(plant=Mujoco()),
     "bent-steering": Condition(plant=Actuated(steering_offset=math.radians(1.0))),
 }
+
+
+def _seen(*faults: Fault, **fields: Any) -> Condition:
+    """A robot seen through noisy sensors, with faults."""
+    return Condition(sensors=Sensors(), faults=faults, **fields)
+
+
+#: The conditions of the reality suite, from the ideal robot to what no law can be ready for.
+REALITY = {
+    "ideal": Condition(),
+    "slip": Condition(plant=Slip()),
+    "slippery": Condition(plant=Slip(), faults=(Slippery(friction=0.3),)),
+    "mujoco": Condition(plant=Mujoco()),
+    "noisy": _seen(),
+    "noisy-real": _seen(Payload(mass=4.5), WheelWear(loss=0.02), SteeringOffset()),
+    "noisy-slip": _seen(plant=Slip()),
+    "noisy-slippery": _seen(Slippery(friction=0.3), plant=Slip()),
+    "noisy-mujoco": _seen(plant=Mujoco()),
+    "payload": _seen(Payload(mass=9.0)),
+    "wheel-wear": _seen(WheelWear(loss=0.05)),
+    "steering-offset": _seen(SteeringOffset(angle=math.radians(2.0))),
+    "slow-servo": _seen(SlowServo(frequency=0.7)),
+    "late": _seen(Late(delay=0.04)),
+    "gusts": _seen(Gusts(along=0.5, aside=0.5), plant=Slip()),
+    "shove": _seen(Shove(time=4.0, aside=4.0), plant=Slip()),
+    "slope": _seen(Slope(grade=0.05, direction=1.0), plant=Slip()),
+    "weak-motor": _seen(WeakMotor(strength=0.5, time=2.0), plant=Slip()),
+    "pose-outage": _seen(SensorLoss(sensor="pose", time=4.0, duration=1.0)),
+    "outliers": Condition(
+        sensors=Sensors(pose_outliers=0.05, pose_dropout=0.2, pose_latency=0.04, pose_jitter=0.03)
+    ),
+}
+
+#: Faults with which a robot must stop; it is guarded.
+STOPS = {
+    "stuck-steering": _seen(StuckSteering(time=2.0), safety=Safety()),
+    "no-pose": _seen(SensorLoss(sensor="pose", time=2.0), safety=Safety()),
+    "late-60": _seen(Late(delay=0.06), safety=Safety()),
+}
+CONDITIONS |= {name: state for name, state in REALITY.items() if name not in CONDITIONS} | STOPS
 
 
 def _slalom(places: Iterable[float], step: float) -> Spline:
@@ -70,10 +149,14 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
 #: Starts by name; errors count once the robot had room to make them good.
 STARTS = {
     "on-path": InitialState(),
+    "running": InitialState(settled=3.0),
     "offset": InitialState(cross_track=0.2, heading_error=math.radians(10.0), settled=3.0),
     "metre": InitialState(cross_track=1.0, settled=3.0),
     "across": InitialState(heading_error=math.radians(90.0), settled=3.0),
 }
+
+
+SUITES = {"ideal": ("ideal",), "reality": (*REALITY, *STOPS)}
 
 
 def starts(names: Iterable[str] | None = None) -> dict[str, InitialState]:
@@ -85,13 +168,15 @@ def starts(names: Iterable[str] | None = None) -> dict[str, InitialState]:
     return {name: choose("start", name, STARTS) for name in names or ("on-path", "offset")}
 
 
-def conditions(names: Iterable[str] | None = None) -> dict[str, Condition]:
-    """Conditions by name.
+def conditions(names: Iterable[str] | None = None, suite: str = "ideal") -> dict[str, Condition]:
+    """Conditions by name; without names those of a suite, ``ideal`` or ``reality``.
 
     Raises:
         InvalidInput: No such condition.
     """
-    return {name: choose("plant", name, CONDITIONS) for name in names or ("ideal",)}
+    return {
+        name: choose("plant", name, CONDITIONS) for name in names or choose("suite", suite, SUITES)
+    }
 
 
 def training_curves() -> dict[str, Curve]:
