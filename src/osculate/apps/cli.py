@@ -194,7 +194,7 @@ def compare(
     plants: Annotated[
         str,
         typer.Option(
-            "--plants", "--plant", help="Conditions, by commas: ideal, noisy, slip, mujoco, late, …"
+            "--plants", "--plant", help="Conditions, by commas: ideal, noisy, slip, late, …"
         ),
     ] = "",
     suite: Annotated[

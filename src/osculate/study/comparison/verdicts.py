@@ -111,8 +111,8 @@ def _interval(values: Any) -> tuple[float, float]:
 def condition_table(comparison: Comparison, controller: str) -> list[list[str]]:
     """Mean RMS (mm) of every controller under every condition, and who beats it; header first.
 
-    A ``+`` marks errors significantly larger than the controller's, ``−`` smaller ones, ``=`` what cannot be
-    told apart; failures stand in brackets.
+    A ``+`` marks errors significantly larger than the controller's, ``−`` smaller ones, ``=`` what cannot
+    be told apart; failures stand in brackets.
     """
     judged = {(v.condition, v.other): v for v in verdicts(comparison, controller)}
     names = [controller, *(n for n in comparison.controllers if n != controller)]
