@@ -27,7 +27,7 @@ from osculate import Cycloid
 from osculate.kernel import compose, load, names, store
 from osculate.scene import Scene
 from osculate.simulation.batch import LANES, simulate_batch
-from osculate.simulation.blocks import run_block
+from osculate.simulation.blocks import run_block, single_block
 from osculate.simulation.loop import TEMPLATES, Loop, Setup, close_loop, size
 from osculate.simulation.run import run_loop
 
@@ -83,16 +83,14 @@ def engine_speed(loop: Loop):
             return state
 
         check(loop, *one(scalar, True), block(vector)[:, 3])
-        runs, likes = np.empty((size(loop.initial), 1)), np.empty((size(loop.parameters), 1))
-        store(loop.initial, runs, 0)
-        store(loop.parameters, likes, 0)
+        alone = single_block(loop)
         simulate_batch(loop.setup.curve, runs=BATCH, threads=2)
         best = fastest(
             {
                 "c": lambda: one(scalar, True),
                 "c native": lambda: one(native, True),
                 "c without record": lambda: one(scalar, False),
-                "single": lambda: run_block(loop, runs, likes, every=1),
+                "single": lambda: run_block(loop, alone, every=1),
                 "complete": lambda: run_loop(loop, Scene()),
                 "vector c": lambda: block(vector),
                 "batch": lambda: simulate_batch(loop.setup.curve, runs=BATCH, threads=1),

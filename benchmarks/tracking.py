@@ -96,7 +96,8 @@ def speed():
 def lanes(stepper, motion, width=64, calls=4000):
     """Control steps per second of the same template with ``width`` lanes."""
     engine = stepper._engine
-    parts = {name: vars(engine)[name] for name in ("track", "LIKE", "LIKE_PARAMETERS")}
+    names = ("decide", "LIKE", "LIKE_PARAMETERS", "LIKE_MEASURED")
+    parts = {name: vars(engine)[name] for name in names}
     wide = compose("osculate.control.templates.stepper", {**parts, "LANES": width})
     memory, parameters = (np.repeat(a, width, 1) for a in (stepper._memory, stepper._parameters))
     seen = np.repeat(np.array(motion)[:, None], width, 1)

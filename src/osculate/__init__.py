@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from osculate.control import CurvatureLaw as CurvatureLaw
     from osculate.control import CurvatureTracker as CurvatureTracker
+    from osculate.control import Ekf as Ekf
     from osculate.control import FeedforwardLqr as FeedforwardLqr
     from osculate.control import Kanayama as Kanayama
     from osculate.control import Nmpc as Nmpc
     from osculate.control import PreviewLqr as PreviewLqr
     from osculate.control import PurePursuit as PurePursuit
+    from osculate.control import Safety as Safety
     from osculate.control import SlidingMode as SlidingMode
     from osculate.control import SpeedLoop as SpeedLoop
     from osculate.control import Stanley as Stanley
@@ -43,10 +45,24 @@ if TYPE_CHECKING:
     from osculate.errors import OsculateError as OsculateError
     from osculate.plant import Actuated as Actuated
     from osculate.plant import Disturbance as Disturbance
+    from osculate.plant import FrictionPatch as FrictionPatch
+    from osculate.plant import Gusts as Gusts
+    from osculate.plant import Late as Late
     from osculate.plant import Mujoco as Mujoco
     from osculate.plant import Patch as Patch
+    from osculate.plant import Payload as Payload
     from osculate.plant import Reduced as Reduced
+    from osculate.plant import SensorLoss as SensorLoss
+    from osculate.plant import Sensors as Sensors
+    from osculate.plant import Shove as Shove
     from osculate.plant import Slip as Slip
+    from osculate.plant import Slippery as Slippery
+    from osculate.plant import Slope as Slope
+    from osculate.plant import SlowServo as SlowServo
+    from osculate.plant import SteeringOffset as SteeringOffset
+    from osculate.plant import StuckSteering as StuckSteering
+    from osculate.plant import WeakMotor as WeakMotor
+    from osculate.plant import WheelWear as WheelWear
     from osculate.scene import Block as Block
     from osculate.scene import Disc as Disc
     from osculate.scene import Scene as Scene
@@ -66,6 +82,7 @@ if TYPE_CHECKING:
     from osculate.study.comparison import Tuning as Tuning
     from osculate.study.comparison import compare as compare
     from osculate.study.comparison import tune as tune
+    from osculate.study.comparison import verdicts as verdicts
     from osculate.target import Dynamical as Dynamical
     from osculate.target import Exponential as Exponential
     from osculate.target import Limits as Limits
@@ -84,11 +101,13 @@ _ROOMS = {
     "control": (
         "CurvatureLaw",
         "CurvatureTracker",
+        "Ekf",
         "FeedforwardLqr",
         "Kanayama",
         "Nmpc",
         "PreviewLqr",
         "PurePursuit",
+        "Safety",
         "SlidingMode",
         "SpeedLoop",
         "Stanley",
@@ -123,10 +142,24 @@ _ROOMS = {
     "plant": (
         "Actuated",
         "Disturbance",
+        "FrictionPatch",
+        "Gusts",
+        "Late",
         "Mujoco",
         "Patch",
+        "Payload",
         "Reduced",
+        "SensorLoss",
+        "Sensors",
+        "Shove",
         "Slip",
+        "Slippery",
+        "Slope",
+        "SlowServo",
+        "SteeringOffset",
+        "StuckSteering",
+        "WeakMotor",
+        "WheelWear",
     ),
     "scene": (
         "Block",
@@ -152,6 +185,7 @@ _ROOMS = {
         "Tuning",
         "compare",
         "tune",
+        "verdicts",
     ),
     "target": (
         "Dynamical",

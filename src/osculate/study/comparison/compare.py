@@ -88,22 +88,22 @@ class Comparison:
 
     def _merit(self, controller: str) -> tuple[int, float]:
         cells = self.of(controller)
-        alive = [math.log(c["cross_track_rms"]) for c in cells if not c["failed"]]
+        alive = [math.log(c["cross_track_rms"]) for c in cells if c["arrived"]]
         return sum(c["failed"] for c in cells), float(np.mean(alive)) if alive else math.inf
 
     def _standing(self, name: str, first: list[dict[str, Any]]) -> Standing:
         cells = self.of(name)
-        alive = [c for c in cells if not c["failed"]]
+        alive = [c for c in cells if c["arrived"]]
         pairs = [
             math.log(c["cross_track_rms"] / f["cross_track_rms"])
             for c, f in zip(cells, first, strict=True)
-            if not c["failed"] and not f["failed"]
+            if c["arrived"] and f["arrived"]
         ]
         return Standing(
             name,
             float(np.mean([c["cross_track_rms"] for c in alive])) if alive else math.nan,
             max((c["cross_track_max"] for c in alive), default=math.nan),
-            len(cells) - len(alive),
+            sum(c["failed"] for c in cells),
             float(np.exp(np.mean(pairs))) if pairs else math.nan,
             sum(pair < 0.0 for pair in pairs),
             len(pairs),
@@ -266,4 +266,5 @@ def _cell(key: tuple[Any, ...], metrics: dict[str, Any], state: Condition) -> di
     arrived = ended == "path end" or (ended == "safety stop" and state.safety is not None)
     failed = not arrived or not values["cross_track_max"] <= allowed
     names = ("controller", "curve", "speed", "start", "plant", "seed")
-    return {**dict(zip(names, key, strict=True)), **values, "failed": failed, "ended": ended}
+    found = {"failed": failed, "arrived": ended == "path end" and not failed, "ended": ended}
+    return {**dict(zip(names, key, strict=True)), **values, **found}

@@ -86,7 +86,7 @@ def _judge(
     for cell in ours:
         pair = tuple(cell[key] for key in PAIR)
         match = by_pair[pair]
-        if not cell["failed"] and not match["failed"]:
+        if cell["arrived"] and match["arrived"]:
             ratio = math.log(match["cross_track_rms"] / cell["cross_track_rms"])
             logs.setdefault(pair[:-1], []).append(ratio)
     means = np.array([np.mean(values) for values in logs.values()])
@@ -127,9 +127,12 @@ def condition_table(comparison: Comparison, controller: str) -> list[list[str]]:
 
 
 def _entry(cells: list[dict[str, Any]], verdict: Verdict | None) -> str:
-    alive = [cell["cross_track_rms"] for cell in cells if not cell["failed"]]
-    failed = len(cells) - len(alive)
+    alive = [cell["cross_track_rms"] for cell in cells if cell["arrived"]]
+    failed = sum(cell["failed"] for cell in cells)
+    stopped = [cell["cross_track_max"] for cell in cells if cell["ended"] == "safety stop"]
     text = f"{1e3 * float(np.mean(alive)):.3g}" if alive else "–"
+    if stopped:
+        return f"{len(stopped)} of {len(cells)} stopped, {1e3 * max(stopped):.0f} mm off at most"
     if verdict is not None and verdict.cells > 1:
         text += {"better": " +", "worse": " −", "equal": " ="}[verdict.word]
     return f"{text} ({failed} of {len(cells)} failed)" if failed else text
