@@ -43,6 +43,7 @@ $(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
 
 $(VENV)/.test: $(VENV)/.run
 	$(PIP) -e '.[test]'
+	@bash scripts/install-opengl.sh $(BIN)/python
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.test

@@ -1,6 +1,7 @@
 """One simulated run: record, metrics and the objects it was made from."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -51,6 +52,9 @@ def list_interventions(
     ]
 
 
+ENDINGS = ".nc, .mcap or .rrd (records), .mp4 or .gif (films)"
+
+
 @dataclass(frozen=True)
 class Run:
     """A run of one robot.
@@ -98,22 +102,26 @@ class Run:
         """Write the record; the file's ending chooses the format.
 
         ``.nc``: netCDF, for xarray and any other netCDF reader. ``.mcap``: ROS 2 messages (extra
-        ``mcap``). ``.rrd``: a Rerun recording (extra ``rerun``).
+        ``mcap``). ``.rrd``: a Rerun recording (extra ``rerun``). ``.mp4``, ``.gif``: a film (extra
+        ``video``).
 
         Raises:
             InvalidInput: Another ending, or a file that cannot be written.
             MissingExtra: What writes this format is not installed.
         """
-        target = Path(path)
-        if target.suffix not in (".nc", ".mcap", ".rrd"):
-            raise InvalidInput("path", str(path), "must end in .nc, .mcap or .rrd")
         from osculate.simulation.dataset import write_netcdf
-        from osculate.simulation.recording import write_mcap, write_rerun
+        from osculate.simulation.recording import write_mcap, write_rerun, write_video
 
-        write = {".nc": write_netcdf, ".mcap": write_mcap, ".rrd": write_rerun}[target.suffix]
+        writers: dict[str, Callable[[Run, Path], Path]] = {
+            ".nc": write_netcdf, ".mcap": write_mcap, ".rrd": write_rerun, ".mp4": write_video,
+            ".gif": write_video,
+        }  # fmt: skip
+        target = Path(path)
+        if target.suffix not in writers:
+            raise InvalidInput("path", str(path), f"must end in {ENDINGS}")
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            return write(self, target)
+            return writers[target.suffix](self, target)
         except OSError as error:
             raise InvalidInput("path", str(path), f"must be writable ({error})") from None
 
