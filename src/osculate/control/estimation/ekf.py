@@ -249,7 +249,7 @@ def see(m: Kinematics, evidence: Evidence, p: EkfParameters) -> Sight:
 
 
 @kernel
-def doubt(z: Measurement, m: Kinematics, belief: Belief, p: EkfParameters) -> Kinematics:
+def growth(z: Measurement, m: Kinematics, belief: Belief, p: EkfParameters) -> Kinematics:
     """The variance of this period.
 
     Poses that surprise more than they should mean that the robot moves in ways that the filter does not
@@ -267,7 +267,7 @@ def doubt(z: Measurement, m: Kinematics, belief: Belief, p: EkfParameters) -> Ki
 def estimate_kinematics(z: Measurement, told: Told, belief: Belief, p: EkfParameters) -> Any:
     """Predict, then correct by everything that arrived."""
     mean, slopes = step_forward(belief.mean, told, p)
-    covariance = spread(belief.covariance, slopes, doubt(z, mean, belief, p))
+    covariance = spread(belief.covariance, slopes, growth(z, mean, belief, p))
     trail = (follow_trail(belief.trail[0], belief.mean, mean),) + belief.trail[:-1]
 
     age = belief.evidence.fix_age + p.period
