@@ -61,7 +61,9 @@ def run(
     ] = "",
     save: Annotated[
         list[Path] | None,
-        typer.Option("--save", help="Also save the run here: .nc, .mcap (ROS 2), .rrd (Rerun)."),
+        typer.Option(
+            "--save", help="Also save the run here: .nc, .mcap (ROS 2), .rrd (Rerun), .mp4."
+        ),
     ] = None,
     video: Annotated[
         Path | None, typer.Option("--video", help="Film the run: .mp4 or .gif; needs no display.")
@@ -363,6 +365,8 @@ def _print_metrics(result: "Run", title: str) -> None:
     _print_rows(title, metric_rows(result.metrics))
     style: Any = "bold red" if result.diverged else "none"
     out.print(f"The run {result.message}.", style=style)
+    for done in result.interventions:
+        out.print(f"{done.begin:.2f} to {done.end:.2f} s: {done.reason}", style="yellow")
 
 
 if __name__ == "__main__":

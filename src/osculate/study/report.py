@@ -63,7 +63,7 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
     page = _PAGE.format(
         title=html.escape(title),
         description=html.escape(description),
-        message=html.escape(f"The run {run.message}."),
+        message=html.escape(f"The run {run.message}.") + _interventions(run),
         kind="bad" if run.diverged else "good",
         rows="\n".join(
             f"<tr><th>{html.escape(label)}</th><td>{html.escape(value)}</td></tr>"
@@ -79,6 +79,14 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
     )
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _interventions(run: "Run") -> str:
+    """What the safety layer did, as lines of the page."""
+    return "".join(
+        f"<br>{done.begin:.2f} to {done.end:.2f} s: {html.escape(done.reason)}"
+        for done in run.interventions
+    )
 
 
 def _setup_text(run: "Run") -> str:

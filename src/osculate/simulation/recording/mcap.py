@@ -7,7 +7,7 @@
 | /joint_states | sensor_msgs/JointState: steering angle; torques and speeds of the drive wheels |
 | /tf | tf2_msgs/TFMessage: ``map`` → ``odom`` → ``base_link`` |
 | /path | nav_msgs/Path: the target curve, once |
-| /diagnostics | diagnostic_msgs/DiagnosticArray: all metrics, once, at the end |
+| /diagnostics | diagnostic_msgs/DiagnosticArray: all metrics and interventions, once, at the end |
 """
 
 from importlib import import_module
@@ -146,7 +146,18 @@ def _diagnostics(run: "Run", time: float) -> Message:
         "level": level[0], "name": "osculate: path tracking", "message": run.message,
         "hardware_id": run.setup.robot.kind, "values": values,
     }  # fmt: skip
-    return {"header": _header(time, ""), "status": [status]}
+    interventions = [
+        {
+            "level": 1, "name": "osculate: safety", "message": done.reason,
+            "hardware_id": run.setup.robot.kind,
+            "values": [
+                {"key": "begin [s]", "value": str(done.begin)},
+                {"key": "end [s]", "value": str(done.end)},
+            ],
+        }
+        for done in run.interventions
+    ]  # fmt: skip
+    return {"header": _header(time, ""), "status": [status, *interventions]}
 
 
 def _header(time: float, frame: str) -> Message:
