@@ -109,7 +109,12 @@ def test_the_corridor_alone_stops_a_robot():
     assert set(batch.metrics.ended) <= {"safety stop", "path end"}
     assert (batch.metrics.ended == "safety stop").mean() > 0.9
     reasons = column(batch, "intervention")
-    print(np.unique(reasons), np.unique(reasons[:,-1]), batch.metrics.ended, batch.metrics.cross_track_max)
+    print(
+        np.unique(reasons),
+        np.unique(reasons[:, -1]),
+        batch.metrics.ended,
+        batch.metrics.cross_track_max,
+    )
     assert batch.metrics.cross_track_max.max() < HALF_WIDTH
     stopped = batch.metrics.ended == "safety stop"
     assert set(reasons[stopped, -1]) == {float(LEAVING)}

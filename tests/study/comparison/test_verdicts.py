@@ -65,7 +65,4 @@ def test_stops_are_told_apart_from_arrivals():
     cells = [cell(name, "a", 1, 0.0, ended="safety stop") for name in ("ours", "theirs")]
     (verdict,) = verdicts(Comparison(cells, {}, {}), "ours")
     assert "nothing can be said" in verdict.sentence
-    assert (
-        condition_table(Comparison(cells, {}, {}), "ours")[1][1]
-        == "1 of 1 stopped, 0 mm off at most"
-    )
+    assert condition_table(Comparison(cells, {}, {}), "ours")[1][1] == "1 of 1 stopped, ≤ 0 mm"

@@ -45,7 +45,10 @@ class Verdict(NamedTuple):
         fails = _failures(self)
         if self.cells < 2:
             return f"{self.condition}: against {self.other} nothing can be said; {fails}."
-        span = f"95 % CI {self.low:.2f} to {self.high:.2f}, {self.cells} pairs"
+        low, high = self.low, self.high
+        if self.word == "worse":
+            low, high = 1.0 / high, 1.0 / low
+        span = f"95 % CI {low:.2f} to {high:.2f}, {self.cells} pairs"
         times = self.ratio if self.ratio >= 1.0 else 1.0 / self.ratio
         what = {
             "better": f"better than {self.other}, whose error is {times:.2f} times as large",
@@ -132,7 +135,7 @@ def _entry(cells: list[dict[str, Any]], verdict: Verdict | None) -> str:
     stopped = [cell["cross_track_max"] for cell in cells if cell["ended"] == "safety stop"]
     text = f"{1e3 * float(np.mean(alive)):.3g}" if alive else "–"
     if stopped:
-        return f"{len(stopped)} of {len(cells)} stopped, {1e3 * max(stopped):.0f} mm off at most"
+        return f"{len(stopped)} of {len(cells)} stopped, ≤ {1e3 * max(stopped):.0f} mm"
     if verdict is not None and verdict.cells > 1:
         text += {"better": " +", "worse": " −", "equal": " ="}[verdict.word]
     return f"{text} ({failed} of {len(cells)} failed)" if failed else text
