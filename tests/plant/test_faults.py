@@ -77,10 +77,9 @@ def test_gusts_have_their_size_and_change_in_their_time():
     world = world_of(Slip(), (Gusts(along=0.4, aside=0.2, time=0.5, seed=3),))
     t = np.arange(0.0, 500.0, 0.05)
     pushes = np.array([blow_all(float(x), HERE, world.padded_blows) for x in t])
-    at_knots = pushes[::10]
-    assert at_knots[:, 0].std() == pytest.approx(0.4, rel=0.08)
-    assert at_knots[:, 3].std() == pytest.approx(0.2, rel=0.08)
-    assert abs(np.diff(pushes[:, 0])).max() < 0.4  # no jumps
+    assert pushes[:, 0].std() == pytest.approx(0.4, rel=0.08)
+    assert pushes[:, 3].std() == pytest.approx(0.2, rel=0.08)
+    assert abs(np.diff(pushes[:, 0])).max() < 0.5  # no jumps: a tenth of a blend
     other = world_of(Slip(), (Gusts(along=0.4, seed=4),))
     assert blow_all(1.0, HERE, other.padded_blows) != blow_all(1.0, HERE, world.padded_blows)
 

@@ -62,6 +62,8 @@ class GuardMemory(NamedTuple):
     obstinate: float  # s, for which it has been doing something else
     doubt: float  # s, for which measurements have been impossible
     last: Motion  # believed
+    x: float  # m, as measured last
+    y: float  # m
 
 
 @kernel
@@ -81,14 +83,16 @@ def watch_motion(motion: Motion, evidence: Evidence, now: GuardMemory, p: Safety
     dx, dy = motion.x - expected.x, motion.y - expected.y
     whole = motion.x + motion.y + motion.heading + motion.speed + motion.steering_angle
     near = dx * dx + dy * dy < p.jump * p.jump and whole - whole == 0.0
-    still = motion.x == last.x and motion.y == last.y and abs(last.speed) > 0.05
+    still = motion.x == now.x and motion.y == now.y and abs(last.speed) > 0.05
     fine = near and not still
     doubt = 0.0 if fine else now.doubt + p.period
     stop = now.stop
     stop = IMPOSSIBLE if stop == 0.0 and doubt > p.patience else stop
     stop = BLIND if stop == 0.0 and evidence.fix_age > p.patience else stop
     believed = select(fine, motion, expected)
-    return believed, GuardMemory(stop, stop, now.inside, now.shadow, now.obstinate, doubt, believed)
+    return believed, GuardMemory(
+        stop, stop, now.inside, now.shadow, now.obstinate, doubt, believed, motion.x, motion.y
+    )
 
 
 @kernel
@@ -102,7 +106,7 @@ def obey(view: View, angle: float, now: GuardMemory, p: SafetyParameters) -> Gua
     shadow = servo_move(reconciled, acting if p.delayed > 0.0 else angle, p.servo)
     fails = now.stop == 0.0 and obstinate > 5.0 * p.period
     stop = DISOBEYED if fails else now.stop
-    return GuardMemory(stop, stop, now.inside, shadow, obstinate, now.doubt, now.last)
+    return GuardMemory(stop, stop, now.inside, shadow, obstinate, now.doubt, now.last, now.x, now.y)
 
 
 @kernel
@@ -174,7 +178,7 @@ def guard_command(
     stopping = stop > 0.0
     memory = GuardMemory(
         stop if stopping else alarm, stop, inside, watched.shadow, watched.obstinate,
-        watched.doubt, watched.last,
+        watched.doubt, watched.last, watched.x, watched.y,
     )  # fmt: skip
     brake = p.deceleration if stopping or close else deceleration
     return angle, 0.0 if stopping else bound, brake, memory
@@ -222,5 +226,5 @@ class Safety(Spec):
             disobedience=self.disobedience,
         )
         shadow = Steering(motion.steering_angle, 0.0)
-        memory = GuardMemory(0.0, 0.0, 0.0, shadow, 0.0, 0.0, motion)
+        memory = GuardMemory(0.0, 0.0, 0.0, shadow, 0.0, 0.0, motion, math.nan, math.nan)
         return GuardPart(watch_motion, guard_command, parameters, memory)

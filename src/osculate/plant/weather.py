@@ -1,5 +1,6 @@
 """What pushes a robot, and what goes wrong with its actuators: kernels evaluated once a period."""
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 from osculate.kernel import Nothing, kernel, normals
@@ -47,7 +48,10 @@ def strength(t: float, blow: Blow) -> Any:
     w = f * f * (3.0 - 2.0 * f)
     a0, b0, c0, _ = normals(blow.seed, cell, blow.stream)
     a1, b1, c1, _ = normals(blow.seed, cell + 1.0, blow.stream)
-    along, aside, yaw = a0 + w * (a1 - a0), b0 + w * (b1 - b0), c0 + w * (c1 - c0)
+    size = 1.0 / sqrt((1.0 - w) * (1.0 - w) + w * w)  # the blend of two is as large as each of them
+    along = size * (a0 + w * (a1 - a0))
+    aside = size * (b0 + w * (b1 - b0))
+    yaw = size * (c0 + w * (c1 - c0))
     return 1.0 if steady else along, 1.0 if steady else aside, 1.0 if steady else yaw
 
 
