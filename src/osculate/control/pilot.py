@@ -22,7 +22,6 @@ class PilotMemory(NamedTuple):
     law: Any  # of the tracker
     belief: Any  # of the estimator
     told: Told  # what acts until the next instant
-    sent: Any  # tuple of servo commands (rad), the newest first
 
 
 class PilotParameters(NamedTuple):
@@ -39,29 +38,25 @@ class Insight(NamedTuple):
     y: float  # m
     heading: float  # rad
     speed: float  # m/s
-    intervention: (
-        float  # number of the safety layer's reason, see `osculate.control.safety.REASONS`
-    )
+    intervention: float  # number of the reason, see `osculate.control.reasons`
+    excess: float  # m, by which the robot would have left its corridor
+    cause: float  # number of what caused it
 
 
 @kernel
 def insight_of_pilot(seen: Any, memory: PilotMemory) -> Insight:
-    """The estimate, without a safety layer."""
-    m = memory.belief.mean
-    return Insight(m.x, m.y, m.heading, m.speed, 0.0)
+    """The estimate, and what was intervened."""
+    m, alarm = memory.belief.mean, memory.law.alarm
+    return Insight(m.x, m.y, m.heading, m.speed, alarm.reason, alarm.excess, alarm.cause)
 
 
 @kernel
-def insight_of_guarded_pilot(seen: Any, memory: PilotMemory) -> Insight:
-    """The estimate, and what the safety layer did."""
-    m = memory.belief.mean
-    return Insight(m.x, m.y, m.heading, m.speed, memory.law.guard.alarm)
-
-
-@kernel
-def insight_of_guarded_tracker(seen: Motion, memory: TrackingMemory) -> Insight:
-    """The motion, which is known, and what the safety layer did."""
-    return Insight(seen.x, seen.y, seen.heading, seen.speed, memory.guard.alarm)
+def insight_of_tracker(seen: Motion, memory: TrackingMemory) -> Insight:
+    """The motion, which is known, and what was intervened."""
+    alarm = memory.alarm
+    return Insight(
+        seen.x, seen.y, seen.heading, seen.speed, alarm.reason, alarm.excess, alarm.cause
+    )
 
 
 @kernel
@@ -73,13 +68,13 @@ def no_insight(seen: Any, memory: Any) -> Nothing:
 @kernel
 def stop_of_pilot(memory: PilotMemory) -> float:
     """Reason of a stop, 0 if there is none."""
-    return memory.law.guard.stop
+    return memory.law.stop.alarm.reason
 
 
 @kernel
 def stop_of_tracker(memory: TrackingMemory) -> float:
     """Reason of a stop, 0 if there is none."""
-    return memory.guard.stop
+    return memory.stop.alarm.reason
 
 
 @kernel
@@ -118,22 +113,22 @@ def pilot_part(
         estimator: Where motions come from; None if they are measured themselves.
         safety: What guards the law.
     """
-    road = replace(road, exact=estimator is None)
+    if estimator is not None:
+        road = replace(road, jitter=estimator.jitter(road.robot, road.period))
     guard = safety.part(road, motion) if safety else UNGUARDED
     part = law.tracking_part(road, start, progress, guard)
     if estimator is None:
         track = compose("osculate.control.templates.trusting", {"track": part.control}).decide
-        insight = insight_of_guarded_tracker if safety else no_insight
-        stop = stop_of_tracker if safety else no_stop
-        return PilotPart(track, part.parameters, part.memory, insight, stop)
+        insight = insight_of_tracker if safety else no_insight
+        return PilotPart(track, part.parameters, part.memory, insight, stop_of_tracker)
     guess = estimator.part(road.robot, start, road.period)
     angle = motion.steering_angle
-    memory = PilotMemory(part.memory, guess.belief, Told(angle, 0.0), (angle,) * (road.delay + 1))
-    parts = {"track": part.control, "estimate": guess.estimate, "DELAY": road.delay}
+    memory = PilotMemory(part.memory, guess.belief, Told(angle, 0.0))
+    parts = {"track": part.control, "estimate": guess.estimate, "DELAYED": road.delay > 0}
     return PilotPart(
         compose("osculate.control.templates.pilot", parts).pilot,
         PilotParameters(part.parameters, guess.parameters),
         memory,
-        insight_of_guarded_pilot if safety else insight_of_pilot,
-        stop_of_pilot if safety else no_stop,
+        insight_of_pilot,
+        stop_of_pilot,
     )

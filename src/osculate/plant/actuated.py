@@ -12,6 +12,7 @@ from osculate.kernel.maths import atan, sincos, tan
 from osculate.plant.contract import Plant, PlantPart, Push
 from osculate.spec import quantity
 from osculate.vehicle.actuators import ActuatorParameters, ActuatorState, actuator_rates
+from osculate.vehicle.brake import BrakeParameters, brake_parameters, brake_torque
 from osculate.vehicle.model import ReducedModel, steered_acceleration
 from osculate.vehicle.motion import Command, Motion, Wheels
 from osculate.vehicle.tricycle import Tricycle
@@ -71,6 +72,7 @@ class ActuatedParameters(NamedTuple):
     offset: float  # rad, wheel's angle minus servo's angle
     odometry: float  # measured speed per speed
     half_track: float  # m, d / 2
+    brake: BrakeParameters
 
 
 @kernel
@@ -85,6 +87,7 @@ def actuated_rates(
     tangent = tan(state.steering_angle + p.offset)
     sine, cosine = sincos(state.heading)
     drag = p.resistance * state.speed / (abs(state.speed) + CRAWL)
+    drag = drag + brake_torque(command.brake, state.speed, p.brake)
     torque = state.torque_left + state.torque_right - drag
     acceleration = steered_acceleration(p.model, tangent, moved.steering_angle, state.speed, torque)
     return ActuatedState(
@@ -131,6 +134,7 @@ class Actuated(ActuatedPlant):
             offset=self.steering_offset,
             odometry=self.odometry,
             half_track=0.5 * robot.track_width,
+            brake=brake_parameters(robot.brake, robot.total_mass * robot.wheel_radius, CRAWL),
         )
         angle = float(atan(robot.wheelbase * start.curvature))
         state = ActuatedState(start.x, start.y, start.heading, start.speed, angle, 0.0, 0.0, 0.0)

@@ -12,10 +12,11 @@ import numpy as np
 
 from osculate.control.contract import Start
 from osculate.errors import MissingExtra
-from osculate.plant.actuated import ActuatedPlant
+from osculate.plant.actuated import CRAWL, ActuatedPlant
 from osculate.plant.contract import PlantPart, Push
 from osculate.plant.tyre import Patch
 from osculate.spec import quantity
+from osculate.vehicle.brake import brake_parameters
 from osculate.vehicle.motion import Command, Motion, Wheels
 from osculate.vehicle.tricycle import Tricycle
 
@@ -63,6 +64,8 @@ class MujocoRobot:
         self.model = self._mujoco.MjModel.from_xml_string(mjcf(robot, plant, step))
         self.data = self._mujoco.MjData(self.model)
         self._plant, self._inertia = plant, real.turn_inertia
+        self._brake = brake_parameters(robot.brake, robot.total_mass * robot.wheel_radius, CRAWL)
+        self._rolling = 0.5 * robot.actuators.rolling_resistance * real.weight * real.wheel_radius
         self._mass = real.body_mass + 3.0 * real.wheel_mass
         self._nominal = robot.wheel_radius
         self._rate = robot.actuators.steering_rate_limit * step
@@ -128,11 +131,20 @@ class MujocoRobot:
         self._slewed += float(change)
         angle = self._slewed + self._plant.steering_offset
         self.data.ctrl[:] = angle, command.torque_left, command.torque_right
+        if self._brake.holding > 0.0:
+            self._apply_brake(command.brake)
         if push is not None:
             self._push(push)
         if self._plant.patches:
             self._stand_on_patches()
         self._mujoco.mj_step(self.model, self.data)
+
+    def _apply_brake(self, command: float) -> None:
+        """Dry friction on the drive wheels' axles: it slows them down, and holds them."""
+        for spin in self._spins[:2]:
+            still = abs(float(self.data.qvel[spin])) * self._nominal < CRAWL
+            torque = self._brake.holding if still else self._brake.moving
+            self.model.dof_frictionloss[spin] = self._rolling + 0.5 * command * torque
 
     def _push(self, push: Push) -> None:
         """Accelerations of the whole mass as forces on the body's centre of mass."""

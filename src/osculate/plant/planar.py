@@ -25,6 +25,7 @@ from osculate.plant.actuated import CRAWL
 from osculate.plant.contract import Push
 from osculate.plant.tyre import Planar, TyreParameters, friction_at, tyre_force
 from osculate.vehicle.actuators import ActuatorParameters, ActuatorState, actuator_rates
+from osculate.vehicle.brake import BrakeParameters, brake_torque
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Command, Motion, Wheels
 
@@ -72,6 +73,7 @@ class SlipParameters(NamedTuple):
     resistance: float  # N m, torque of each drive wheel that overcomes rolling resistance
     open: float  # 1: both drive wheels get the mean torque
     locked: float  # 1: both drive wheels spin as one
+    brake: BrakeParameters
 
 
 class Contacts(NamedTuple):
@@ -117,14 +119,16 @@ def ground_forces(state: SlipState, steer: Planar, p: SlipParameters) -> Contact
 
 
 @kernel
-def spin_rates(state: SlipState, grip: Contacts, p: SlipParameters) -> Contacts:
-    """Ω̇ of the wheels (rad/s²): motors through the differential, rolling resistance, the ground."""
+def spin_rates(state: SlipState, brake: float, grip: Contacts, p: SlipParameters) -> Contacts:
+    """Ω̇ of the wheels (rad/s²): motors through the differential, rolling resistance, brake, ground."""
     mean = 0.5 * (state.torque_left + state.torque_right)
     tread_left, tread_right = p.radius * state.spin_left, p.radius * state.spin_right
     left = (mean if p.open > 0.5 else state.torque_left) - p.radius * grip.left.along
     right = (mean if p.open > 0.5 else state.torque_right) - p.radius * grip.right.along
     left = left - p.resistance * tread_left / (abs(tread_left) + CRAWL)
     right = right - p.resistance * tread_right / (abs(tread_right) + CRAWL)
+    left = left - 0.5 * brake_torque(brake, tread_left, p.brake)
+    right = right - 0.5 * brake_torque(brake, tread_right, p.brake)
     common = 0.5 * (left + right)
     return Contacts(
         p.agility * (common if p.locked > 0.5 else left),
@@ -142,7 +146,7 @@ def slip_rates(state: SlipState, command: Command, push: Push, p: SlipParameters
     moved = actuator_rates(now, command, p.actuators)
     across, ahead = sincos(p.turn * (state.steering_angle + p.offset))
     grip = ground_forces(state, Planar(ahead, across), p)
-    spin = spin_rates(state, grip, p)
+    spin = spin_rates(state, command.brake, grip, p)
     aside = grip.front.along * across + grip.front.aside * ahead
     along = (
         grip.left.along + grip.right.along + grip.front.along * ahead - grip.front.aside * across

@@ -12,9 +12,11 @@ from osculate.plant.contract import PlantPart
 from osculate.plant.planar import SlipParameters, SlipState, measure_slip, slip_rates, slip_wheels
 from osculate.plant.tyre import Patch, TyreParameters, spots
 from osculate.spec import quantity
+from osculate.vehicle.brake import brake_parameters
 from osculate.vehicle.tricycle import Tricycle
 
 RK4_LIMIT = 2.785  # |λ| h beyond which RK4 amplifies a decaying mode
+BRAKE_CRAWL = 0.05  # m/s, speed at which a brake has half of its size: wheels alone are light
 MARGIN = 0.8  # of that limit: loads that shift stiffen a tyre by up to a quarter
 
 
@@ -97,6 +99,7 @@ class Slip(ActuatedPlant):
             resistance=0.5 * robot.actuators.rolling_resistance * real.weight * radius,
             open=float(self.differential == "open"),
             locked=float(self.differential == "locked"),
+            brake=brake_parameters(robot.brake, robot.total_mass * robot.wheel_radius, BRAKE_CRAWL),
         )
 
     def longest_step(self, robot: Tricycle) -> float:

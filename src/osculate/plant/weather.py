@@ -83,7 +83,7 @@ def impair(t: float, before: Command, command: Command, p: Impairment) -> Comman
     left = p.left_strength if t >= p.left_begin else 1.0
     right = p.right_strength if t >= p.right_begin else 1.0
     angle = before.steering_angle if stuck else command.steering_angle
-    return Command(angle, left * command.torque_left, right * command.torque_right)
+    return Command(angle, left * command.torque_left, right * command.torque_right, command.brake)
 
 
 @kernel

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from osculate.control import Controller, ControlPart, CurvatureLaw, Ekf, Errors, Safety, Start
 from osculate.control.pilot import Insight, PilotPart, no_insight, no_stop, pilot_part
+from osculate.control.safety import reserve_of
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.contract import Road, survey
 from osculate.control.tracking.external import Decide, ExternalTracker
@@ -148,6 +149,7 @@ class Loop:
     plan: SpeedPlan | None = None  # of a path tracker
     decide: Decide | None = None  # where steering decisions come from Python
     row: Row = BLANK  # shape of its record
+    caution: str | None = None  # what a safety layer foresees
 
     @cached_property
     def _composed(self) -> dict[tuple[str, int], Any]:
@@ -266,7 +268,8 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     setup = with_approach(setup)
     curve = setup.curve
     delay = round(clock.delay / clock.period)
-    road, plan = survey(curve, setup.robot, setup.limits, clock.period, delay, tables)
+    task = (curve, setup.robot, setup.limits, clock.period, delay)
+    road, plan = survey(*task, tables, reserve_of(setup.safety, *task))
     start = setup.initial.on(curve)
     pilot = make_pilot(setup, road, start)
     parts = {
@@ -278,6 +281,9 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
+    if setup.safety is not None:
+        caution = setup.safety.foresee(*task).caution(plan)
+        loop = replace(loop, caution=caution)
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
@@ -332,14 +338,17 @@ def estimator_of(setup: Setup) -> Ekf | None:
 def with_approach(setup: Setup) -> Setup:
     """The setup with a way onto the curve before it, if the start is beyond what a tracker recovers.
 
+    A start outside the corridor of the safety layer is one; the way onto the curve has the same corridor.
+
     Raises:
         InvalidInput: It is, and no approach may be planned.
         NoSolution: There is no such way.
     """
     initial, curve, robot = setup.initial, setup.curve, setup.robot
     foot = curve.at(initial.arc_length)
+    corridor = math.inf if setup.safety is None else setup.safety.half_width
     turned = abs(initial.heading_error) > RECOVERABLE_HEADING
-    far = abs(initial.cross_track) > RECOVERABLE_DISTANCE
+    far = abs(initial.cross_track) > min(RECOVERABLE_DISTANCE, corridor)
     inside = 1.0 - float(foot.curvature) * initial.cross_track < 0.2
     if not (turned or far or inside):
         return setup
@@ -392,7 +401,7 @@ def _assemble(
         curve=table,
         **law,
     )
-    rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
+    rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0, 0.0)
     place = setup.initial.arc_length
     state = State(
         plant.state,
@@ -403,7 +412,7 @@ def _assemble(
     insight: Any = Nothing()
     if bindings["insight"] is not no_insight:
         motion = motion_at(setup, start)
-        insight = Insight(motion.x, motion.y, motion.heading, motion.speed, 0.0)
+        insight = Insight(motion.x, motion.y, motion.heading, motion.speed, 0.0, 0.0, 0.0)
     held: Any = Nothing()
     if isinstance(clock, Sampled):
         slots = _slots(clock, world.delay)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from osculate.control import Start, Stepper
 from osculate.control.pilot import Insight
-from osculate.control.safety import REASONS
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.contract import foot_of
 from osculate.errors import InvalidInput
@@ -36,7 +35,7 @@ from osculate.simulation.loop import (
 )
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.records import Row
-from osculate.simulation.run import Run, clearance_of
+from osculate.simulation.run import Run, clearance_of, stop_message
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
 from osculate.target import Reference
@@ -73,7 +72,9 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
         drive.advance()
     columns = drive.columns()
     metrics = _metrics(setup, scene, columns, ended)
-    return Run(setup, scene, columns, metrics, _message(columns, ended), drive.stepper.plan)
+    stepper = drive.stepper
+    message = _message(columns, ended, float(stepper.memory.stop.alarm.reason))
+    return Run(setup, scene, columns, metrics, message, stepper.plan, stepper.caution)
 
 
 class _Drive:
@@ -92,7 +93,7 @@ class _Drive:
             progress=setup.initial.arc_length, estimator=estimator_of(setup), safety=setup.safety,
         )  # fmt: skip
         self.watched = setup.sensors is not None or setup.safety is not None
-        rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0)
+        rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0, 0.0)
         waits = clock.delay_steps + round(world.delay / clock.step) + 1
         self.pipe: deque[Command] = deque([rest] * waits, maxlen=waits)
         self.told, self.push = rest, Push(0.0, 0.0, 0.0, 0.0)
@@ -115,6 +116,8 @@ class _Drive:
         self.progress = row.foot
         if row.foot >= self.stepper.length:
             return "path end"
+        if abs(motion.speed) < STANDSTILL and self.stepper.arrived:
+            return "path end"
         stopped = self.stepper.stopping and abs(motion.speed) < STANDSTILL
         return "safety stop" if stopped else "time"
 
@@ -127,7 +130,8 @@ class _Drive:
             return
         belief, alarm = self.stepper.belief, float(self.stepper.intervention)
         m = motion if belief is None else belief.mean
-        self.insight = Insight(m.x, m.y, m.heading, m.speed, alarm)
+        why = self.stepper.alarm
+        self.insight = Insight(m.x, m.y, m.heading, m.speed, alarm, why.excess, why.cause)
 
     def advance(self) -> None:
         """One step of the engine."""
@@ -232,13 +236,12 @@ def _metrics(setup: Setup, scene: Scene, c: dict[str, NDArray[np.float64]], ende
     return Metrics(**numbers, clearance_min=near, ended=ended)
 
 
-def _message(c: dict[str, NDArray[np.float64]], ended: str) -> str:
+def _message(c: dict[str, NDArray[np.float64]], ended: str, stop: float) -> str:
     time, speed = c["time"][-1], c["speed"][-1]
     if ended == "path end":
         return f"reached the end of the path at t = {time:.3f} s, moving at {speed:.3f} m/s"
     if ended == "safety stop":
-        reason, place = REASONS[int(c["intervention"][-1])], c["foot"][-1]
-        return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {reason}"
+        return stop_message(stop, c)
     if ended == "diverged":
         return f"diverged after t = {time:.3f} s: the robot tipped over or left all bounds"
     return f"ended after its duration of {time:.3f} s, {c['arc_length'][-1]:.4f} m on the path"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control import Controller, Ekf, PathTracker, Safety
-from osculate.control.safety import REASONS
+from osculate.control.reasons import CAUSES, REASONS, explain
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
 from osculate.plant import Actuated, Disturbance, Fault, Mujoco, Plant, Sensors
@@ -27,29 +27,41 @@ from osculate.vehicle import Tricycle
 
 
 class Intervention(NamedTuple):
-    """One time during which the safety layer changed what the robot does."""
+    """One time during which something else than the law decided what the robot does."""
 
     begin: float  # s
     end: float  # s
     reason: str
+    place: float  # m, arc length of the nearest point of the curve when it began
+    excess: (
+        float  # m, predicted distance beyond the corridor's edge; 0 where that is not the reason
+    )
+    cause: str  # what was measured or asked for; empty if nothing in particular
+
+    def __str__(self) -> str:
+        """Times, place, reason and cause."""
+        text = f"{self.begin:.2f} to {self.end:.2f} s, from {self.place:.2f} m on: {self.reason}"
+        text += f" by {self.excess:.3g} m" if self.excess > 0.0 else ""
+        return f"{text} ({self.cause})" if self.cause else text
 
 
-def list_interventions(
-    time: NDArray[np.float64], numbers: NDArray[np.float64]
-) -> list[Intervention]:
-    """The interventions of a record.
-
-    Args:
-        time: Shape (n,).
-        numbers: Reasons, shape (n,); 0 is none.
-    """
+def list_interventions(columns: dict[str, NDArray[np.float64]]) -> list[Intervention]:
+    """The interventions of a record: its columns by the names of their variables."""
+    numbers = columns.get("intervention")
+    if numbers is None:
+        return []
+    time, causes = columns["time"], columns["intervention_cause"]
     edges = np.flatnonzero(np.diff(numbers)) + 1
     begins, ends = [0, *edges], [*edges, len(numbers)]
     return [
-        Intervention(float(time[b]), float(time[e - 1]), REASONS[int(numbers[b])])
+        Intervention(
+            float(time[b]), float(time[e - 1]), REASONS[int(numbers[b])],
+            float(columns["foot"][b]), float(columns["corridor_excess"][b]),
+            CAUSES.get(int(causes[b]), ""),
+        )
         for b, e in zip(begins, ends, strict=True)
         if numbers[b] > 0.0
-    ]
+    ]  # fmt: skip
 
 
 ENDINGS = ".nc, .mcap or .rrd (records), .mp4 or .gif (films)"
@@ -66,6 +78,7 @@ class Run:
         metrics: Exactness and effort.
         message: How the run ended, in words.
         plan: The speed plan of a path tracker.
+        caution: Where a stuck steering would take it out of its corridor, in a sentence.
     """
 
     setup: Setup
@@ -74,6 +87,7 @@ class Run:
     metrics: Metrics
     message: str
     plan: SpeedPlan | None = None
+    caution: str | None = None
 
     @property
     def diverged(self) -> bool:
@@ -82,9 +96,8 @@ class Run:
 
     @property
     def interventions(self) -> "list[Intervention]":
-        """What the safety layer did, in order; empty without one."""
-        numbers = self.columns.get("intervention")
-        return [] if numbers is None else list_interventions(self.columns["time"], numbers)
+        """What was done instead of what the law decided, in order."""
+        return list_interventions(self.columns)
 
     @cached_property
     def clearance(self) -> NDArray[np.float64]:
@@ -232,9 +245,9 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     }
     if not scene.is_empty:
         single["clearance_min"] = float(clearance_of(loop.setup, scene, columns).min())
-    return Run(
-        loop.setup, scene, columns, Metrics(**single), _message(code, on_time, columns), loop.plan
-    )
+    stop = float(final.held.stop[0]) if code == STOPPED else 0.0
+    message = _message(code, on_time, stop, columns)
+    return Run(loop.setup, scene, columns, Metrics(**single), message, loop.plan, loop.caution)
 
 
 def clearance_of(
@@ -251,15 +264,27 @@ def clearance_of(
     )
 
 
-def _message(code: float, on_time: bool, columns: dict[str, NDArray[np.float64]]) -> str:
+def stop_message(stop: float, columns: dict[str, NDArray[np.float64]]) -> str:
+    """How a run ended that was stopped for the reason with the number ``stop``."""
+    known = columns.get("intervention", np.zeros(1))[-1] == stop
+    excess, cause = (
+        float(columns[name][-1]) if known else 0.0
+        for name in ("corridor_excess", "intervention_cause")
+    )
+    why = explain(stop, excess, cause)
+    time, place = columns["time"][-1], columns["foot"][-1]
+    return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {why}"
+
+
+def _message(
+    code: float, on_time: bool, stop: float, columns: dict[str, NDArray[np.float64]]
+) -> str:
     time, speed = columns["time"][-1], columns["speed"][-1]
     if code == FINISHED:
         what = "completed its timetable" if on_time else "reached the end of the path"
         return f"{what} at t = {time:.3f} s, moving at {speed:.3f} m/s"
     if code == STOPPED:
-        reason = REASONS[int(columns["intervention"][-1])]
-        place = columns["foot"][-1]
-        return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {reason}"
+        return stop_message(stop, columns)
     if code == DIVERGED:
         return (
             f"diverged after t = {time:.3f} s: the next state is not finite or beyond the speed "

@@ -45,6 +45,7 @@ VARIABLES = {
     ),
     "command.torque_left": Variable("torque_left", "N m", "drive torque of the left wheel"),
     "command.torque_right": Variable("torque_right", "N m", "drive torque of the right wheel"),
+    "command.brake": Variable("brake", "1", "brake applied, part of the full brake"),
     "errors.heading": Variable("law_heading_error", "rad", "heading error as the law sees it"),
     "errors.yaw_rate": Variable("yaw_rate_error", "rad/s", "yaw rate minus target"),
     "errors.speed": Variable("speed_error", "m/s", "speed minus target"),
@@ -57,7 +58,13 @@ VARIABLES = {
     "insight.heading": Variable("estimated_heading", "rad", "estimated heading"),
     "insight.speed": Variable("estimated_speed", "m/s", "estimated speed"),
     "insight.intervention": Variable(
-        "intervention", "1", "number of the safety layer's reason, 0 is none"
+        "intervention", "1", "number of the reason for an intervention, 0 is none"
+    ),
+    "insight.excess": Variable(
+        "corridor_excess", "m", "predicted distance beyond the corridor's edge"
+    ),
+    "insight.cause": Variable(
+        "intervention_cause", "1", "number of what caused the intervention, 0 is nothing"
     ),
 }
 

@@ -57,6 +57,18 @@ class Limits(Spec):
     )
 
 
+class Ceiling(NamedTuple):
+    """One more limit of the speed over arc length."""
+
+    name: str
+    arc_length: tuple[float, ...]  # m, increasing
+    speed: tuple[float, ...]  # m/s, there
+
+    def at(self, s: Array) -> Array:
+        """The limit (m/s) at arc lengths ``s`` (m)."""
+        return np.interp(s, self.arc_length, self.speed)
+
+
 @dataclass(frozen=True)
 class SpeedPlan:
     """A speed over arc length."""
@@ -102,13 +114,16 @@ class _Problem(NamedTuple):
     low: float  # smallest E
 
 
-def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> SpeedPlan:
+def plan_speed(
+    curve: Curve, robot: Tricycle, limits: Limits | None = None, ceiling: Ceiling | None = None
+) -> SpeedPlan:
     """The fastest speed over arc length that keeps all limits.
 
     Args:
         curve: Where to drive.
         robot: Its steering, motors, masses and tipping.
         limits: What the task allows.
+        ceiling: One more limit of the speed over arc length.
 
     Raises:
         InvalidInput: The slowest speed is above the largest.
@@ -120,6 +135,8 @@ def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> S
             "limits.creep", limits.creep, f"must be at most speed = {limits.speed:g} m/s"
         )
     problem = _problem(curve, robot, limits)
+    if ceiling is not None:
+        problem.caps[ceiling.name] = ceiling.at(problem.s) ** 2 / 2.0
     energy = _first_guess(problem, limits)
     for _ in range(ITERATIONS):
         before = energy

@@ -4,13 +4,17 @@ from typing import NamedTuple
 
 
 class Motion(NamedTuple):
-    """What can be known of the robot at one instant (frames of REP-103/105)."""
+    """What can be known of the robot at one instant (frames of REP-103/105).
+
+    Where motions are measured themselves (`Stepper` without an estimator) a reading that is missing is
+    NaN or None. A motion with a missing, infinite or impossible value counts as missing as a whole.
+    """
 
     x: float  # m, rear-axle midpoint O in the map frame
     y: float  # m
-    heading: float  # rad, counter-clockwise from x, unwrapped
-    speed: float  # m/s, of O along the heading
-    yaw_rate: float  # rad/s
+    heading: float  # rad, counter-clockwise from x; may be wrapped or not
+    speed: float  # m/s, of O along the heading, negative when driving backwards
+    yaw_rate: float  # rad/s, counter-clockwise
     steering_angle: float  # rad, of the steered wheel, positive turns left when driving forward
 
 
@@ -28,6 +32,7 @@ class Command(NamedTuple):
     robot with x forward and y left is the right wheel's. This is the one place that says so.
     """
 
-    steering_angle: float  # rad
+    steering_angle: float  # rad, of the servo
     torque_left: float  # N m
     torque_right: float  # N m
+    brake: float = 0.0  # part of the full brake, 0 to 1; nothing on a robot without one

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 from osculate.errors import choose
 from osculate.spec import Spec, quantity
 from osculate.vehicle.actuators import Actuators
+from osculate.vehicle.brake import Brake
 from osculate.vehicle.model import ReducedModel
 
 
@@ -72,6 +73,7 @@ class Tricycle(Spec):
     )
     steered: Literal["front", "rear"] = "front"
     actuators: Actuators = Actuators()
+    brake: Brake | None = None
 
     @cached_property
     def total_mass(self) -> float:
@@ -108,6 +110,11 @@ class Tricycle(Spec):
         if self.steered == "rear":
             return Footprint(front=fixed, rear=steered, half_width=half_width)
         return Footprint(front=steered, rear=fixed, half_width=half_width)
+
+    @property
+    def motor_deceleration(self) -> float:
+        """Deceleration (m/s²) that both motors give together at their limit, without load."""
+        return 2.0 * self.actuators.torque_limit / (self.wheel_radius * self.total_mass)
 
     @property
     def weight(self) -> float:

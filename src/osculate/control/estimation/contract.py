@@ -19,10 +19,17 @@ class Told(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """How far measurements can be trusted."""
+    """How far measurements can be trusted: for how long each has been missing or refused.
 
-    fix_age: float  # s, since the last pose that was believed
+    A sensor that has never reported anything is not missed: its age is 0 until its first reading.
+    """
+
+    fix_age: float  # s, since the last pose that fitted
     surprise: float  # mean square of normalised innovations of the poses; about 1 when all is well
+    wheels_age: float  # s, since the last reading of both wheel encoders that was believed
+    steering_age: float  # s, likewise of the steering encoder
+    gyro_age: float  # s, likewise of the gyro
+    located: float  # 1 once a pose was believed
 
 
 class Sight(NamedTuple):
@@ -39,7 +46,7 @@ class Sight(NamedTuple):
 
 
 #: Nothing is doubted: a motion that is known exactly.
-TRUSTED = Evidence(0.0, 1.0)
+TRUSTED = Evidence(0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,9 @@ the lateral acceleration v ω, O moves in the direction θ − c v ω, and with 
 where δ is what steering does not explain: it forgets itself within a fraction of a second.
 
 A pose that arrives late is compared with where the robot was when it was taken: the estimate, moved back
-by what was driven since. A pose that does not fit is left out.
+by what was driven since. A pose that does not fit is left out, unless several in a row agree with each other.
+Every reading passes a gate of its own before it is used (`osculate.control.estimation.gates`), and a belief
+that is not finite is never taken: whatever is measured, what is believed stays finite.
 """
 
 import math
@@ -18,6 +20,7 @@ from typing import Any, Literal, NamedTuple
 
 from osculate.control.contract import Start
 from osculate.control.estimation.contract import TRUSTED, EstimatorPart, Evidence, Sight, Told
+from osculate.control.estimation.gates import UNHEARD, GateMemory, GateParameters, screen
 from osculate.control.estimation.kinematics import (
     UNITS,
     ZERO,
@@ -29,12 +32,13 @@ from osculate.control.estimation.kinematics import (
     learn,
     spread,
 )
+from osculate.control.tracking.contract import Jitter
 from osculate.control.tracking.pipe import PipeParameters, Pose, roll
-from osculate.kernel import axpy, kernel
+from osculate.kernel import axpy, finite_sum, kernel, select
 from osculate.kernel.maths import atan, sincos, tan, wrap_angle
 from osculate.spec import Spec, quantity
 from osculate.vehicle.actuators import ServoStep, Steering
-from osculate.vehicle.measurement import Measurement
+from osculate.vehicle.measurement import Fix, Measurement
 from osculate.vehicle.motion import Motion
 from osculate.vehicle.tricycle import Tricycle
 
@@ -47,6 +51,13 @@ class Place(NamedTuple):
     heading: float  # rad
 
 
+class Heard(NamedTuple):
+    """Which sensors have ever reported something: 1 or 0."""
+
+    steering: float
+    gyro: float
+
+
 class Belief(NamedTuple):
     """Memory of the filter."""
 
@@ -54,7 +65,10 @@ class Belief(NamedTuple):
     covariance: Covariance
     trail: Any  # tuple of `Place` at the last instants, the newest first
     evidence: Evidence
-    rejected: float  # number of poses in a row that were not believed
+    gates: GateMemory
+    heard: Heard
+    rejected: float  # number of poses in a row that did not fit, but fitted each other
+    off: Place  # what the last of them was off
     fix_nis: float  # of the last pose: squared normalised innovation, 3 degrees of freedom
 
 
@@ -76,10 +90,14 @@ class EkfParameters(NamedTuple):
     gyro: float  # (rad/s)²
     position: float  # m²
     heading: float  # rad²
-    gate: float  # square of the largest normalised innovation
+    gate: float  # square of the largest normalised innovation of a pose
+    surprising: float  # likewise of wheels and gyro, beyond which they lose weight
     patience: float  # number of poses in a row that are not believed before one is
+    gates: GateParameters
 
 
+SURPRISING = 5.0  # standard deviations, beyond which wheels and gyro lose weight
+STARTLING = 1e3  # normalised innovation squared, per reading, of the most surprising pose
 CALM = 1.5  # mean square of normalised innovations up to which nothing is doubted
 
 
@@ -161,7 +179,8 @@ def speed_clue(m: Kinematics, z: Measurement, acceleration: float, p: EkfParamet
     slip = p.wheel_slip * m.speed
     slope = axpy(scale, UNITS.speed, axpy(m.speed * tread, UNITS.speed_scale, ZERO))
     slope = axpy((1.0 + m.speed_scale) * m.speed * traction, UNITS.slip, slope)
-    return Clue(slope, 0.5 * (z.left + z.right) - scale * m.speed, p.speed + slip * slip, math.inf)
+    miss = 0.5 * (z.left + z.right) - scale * m.speed
+    return Clue(slope, miss, p.speed + slip * slip, p.surprising)
 
 
 @kernel
@@ -175,7 +194,7 @@ def difference_clue(m: Kinematics, z: Measurement, p: EkfParameters) -> Clue:
         0.0, 0.0, 0.0, arm * per_speed, arm * per_angle, 0.0, arm * per_angle, p.track * rate, 0.0,
         0.0, arm * per_understeer, arm,
     )  # fmt: skip
-    return Clue(slope, z.right - z.left - arm * rate, p.difference, math.inf)
+    return Clue(slope, z.right - z.left - arm * rate, p.difference, p.surprising)
 
 
 @kernel
@@ -185,56 +204,64 @@ def gyro_clue(m: Kinematics, reading: float, p: EkfParameters) -> Clue:
     slope = Kinematics(
         0.0, 0.0, 0.0, per_speed, per_angle, 0.0, per_angle, 0.0, 1.0, 0.0, per_understeer, 1.0
     )
-    return Clue(slope, reading - rate - m.swerve - m.gyro_bias, p.gyro, math.inf)
+    return Clue(slope, reading - rate - m.swerve - m.gyro_bias, p.gyro, p.surprising)
 
 
 @kernel
 def place_then(trail: Any, instants: float) -> Place:
-    """Where dead reckoning was so many instants ago; not a number beyond the trail."""
-    x, y, heading, weight = 0.0, 0.0, 0.0, 0.0
+    """Where dead reckoning was so many instants ago; the trail goes back far enough."""
+    x, y, heading = 0.0, 0.0, 0.0
     for n in range(len(trail)):
         near = 1.0 - abs(instants - n)
         near = near if near > 0.0 else 0.0
         x = x + near * trail[n].x
         y = y + near * trail[n].y
         heading = heading + near * trail[n].heading
-        weight = weight + near
-    known = 1.0 if weight > 0.999 else math.nan
-    return Place(x * known, y * known, heading * known)
+    return Place(x, y, heading)
 
 
 @kernel
-def fix_clues(
-    m: Kinematics, c: Covariance, trail: Any, z: Measurement, rejected: float, p: EkfParameters
-) -> Any:
-    """The three readings of a pose, taken in or left out together."""
+def fix_innovation(m: Kinematics, trail: Any, fix: Fix, p: EkfParameters) -> Any:
+    """What a pose is off from where the robot was then, and the way driven since (m, ahead and aside)."""
     now = trail[0]
-    then = place_then(trail, z.fix.age / p.period)
+    then = place_then(trail, fix.age / p.period)
     sine, cosine = sincos(then.heading)
     dx, dy = now.x - then.x, now.y - then.y
     along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
     heading = m.heading - (now.heading - then.heading)
     sine, cosine = sincos(heading)
-    off_x = z.fix.x - (m.x - along * cosine + aside * sine)
-    off_y = z.fix.y - (m.y - along * sine - aside * cosine)
-    off_heading = wrap_angle(z.fix.heading - heading)
-    far = off_x * off_x > p.gate * (c.x.x + p.position)
-    far = far or off_y * off_y > p.gate * (c.y.y + p.position)
-    far = far or off_heading * off_heading > p.gate * (c.heading.heading + p.heading)
-    strange = far and rejected < p.patience
-    taken = math.nan if strange else 0.0
-    gate = math.inf
+    ahead_x, ahead_y = along * cosine - aside * sine, along * sine + aside * cosine
+    off = Place(fix.x - (m.x - ahead_x), fix.y - (m.y - ahead_y), wrap_angle(fix.heading - heading))
+    return off, Place(ahead_x, ahead_y, 0.0)
+
+
+@kernel
+def fits(off: Place, c: Covariance, p: EkfParameters) -> bool:
+    """Whether a pose is within its gate; false without one."""
+    x = off.x * off.x <= p.gate * (c.x.x + p.position)
+    y = off.y * off.y <= p.gate * (c.y.y + p.position)
+    return x and y and off.heading * off.heading <= p.gate * (c.heading.heading + p.heading)
+
+
+@kernel
+def agrees(off: Place, before: Place, p: EkfParameters) -> bool:
+    """Whether two poses are off by the same."""
+    dx, dy = off.x - before.x, off.y - before.y
+    turned = wrap_angle(off.heading - before.heading)
+    near = dx * dx + dy * dy <= 2.0 * p.gate * p.position
+    return near and turned * turned <= 2.0 * p.gate * p.heading
+
+
+@kernel
+def fix_clues(off: Place, ahead: Place, taken: bool, p: EkfParameters) -> Any:
+    """The three readings of a pose, taken in or left out together."""
+    lost = 0.0 if taken else math.nan
+    far = math.inf
     return (
-        Clue(
-            axpy(along * sine + aside * cosine, UNITS.heading, UNITS.x), off_x + taken, p.position,
-            gate,
-        ),
-        Clue(
-            axpy(aside * sine - along * cosine, UNITS.heading, UNITS.y), off_y + taken, p.position,
-            gate,
-        ),
-        Clue(UNITS.heading, off_heading + taken, p.heading, gate),
-    )  # fmt: skip
+        Clue(axpy(ahead.y, UNITS.heading, UNITS.x), off.x + lost, p.position, far),
+        Clue(axpy(-ahead.x, UNITS.heading, UNITS.y), off.y + lost, p.position, far),
+        Clue(UNITS.heading, off.heading + lost, p.heading, far),
+    )
 
 
 @kernel
@@ -264,33 +291,94 @@ def growth(z: Measurement, m: Kinematics, belief: Belief, p: EkfParameters) -> K
 
 
 @kernel
+def begin(m: Kinematics, z: Measurement, off: Place, p: EkfParameters) -> Kinematics:
+    """The first belief: what the first pose and its companions say where they differ from what was said."""
+    pose = off.x == off.x
+    speed = 0.5 * (z.left + z.right) / (1.0 + m.speed_scale)
+    moves = abs(speed - m.speed) > p.gates.wheels
+    turned = abs(z.steering_angle - m.steering_angle) > p.gates.steering
+    return Kinematics(
+        m.x + off.x if pose else m.x, m.y + off.y if pose else m.y,
+        m.heading + off.heading if pose else m.heading, speed if moves else m.speed,
+        z.steering_angle if turned else m.steering_angle, 0.0 if turned else m.steering_rate,
+        m.steering_bias, m.speed_scale, m.gyro_bias, m.slip, m.understeer, m.swerve,
+    )  # fmt: skip
+
+
+@kernel
+def age_readings(
+    z: Measurement, located: bool, fitted: bool, nis: float, before: Belief, p: EkfParameters
+) -> Any:
+    """For how long every sensor has been missing, how surprising poses are, and who was ever heard."""
+    e, t = before.evidence, p.period
+    wheels = z.left == z.left
+    steering, gyro = z.steering_angle == z.steering_angle, z.yaw_rate == z.yaw_rate
+    heard = Heard(1.0 if steering else before.heard.steering, 1.0 if gyro else before.heard.gyro)
+    share = nis / 3.0
+    share = share if share < STARTLING else STARTLING
+    surprise = e.surprise + 0.1 * (share - e.surprise) if nis == nis else e.surprise
+    evidence = Evidence(
+        fix_age=0.0 if fitted else e.fix_age + t,
+        surprise=surprise,
+        wheels_age=0.0 if wheels else e.wheels_age + t,
+        steering_age=0.0 if steering else e.steering_age + t * heard.steering,
+        gyro_age=0.0 if gyro else e.gyro_age + t * heard.gyro,
+        located=1.0 if located else 0.0,
+    )
+    return evidence, heard
+
+
+@kernel
+def correct(
+    mean: Kinematics, covariance: Covariance, z: Measurement, acceleration: float, poses: Any,
+    p: EkfParameters,
+) -> Any:  # fmt: skip
+    """Everything that arrived, one scalar after the other; and how much the pose surprised."""
+    angle = Clue(UNITS.steering_angle, z.steering_angle - mean.steering_angle, p.steering, math.inf)
+    clues = (
+        speed_clue(mean, z, acceleration, p), difference_clue(mean, z, p), angle,
+        gyro_clue(mean, z.yaw_rate, p),
+    ) + poses  # fmt: skip
+    learned = Learned(ZERO, covariance)
+    nis = 0.0
+    for n in range(len(clues)):
+        learned, one = learn(learned, clues[n])
+        nis = nis + (one if n > 3 else 0.0)
+    return axpy(1.0, learned.shift, mean), learned.covariance, nis
+
+
+@kernel
 def estimate_kinematics(z: Measurement, told: Told, belief: Belief, p: EkfParameters) -> Any:
-    """Predict, then correct by everything that arrived."""
+    """Predict, then correct by everything that arrived and passes its gate."""
     mean, slopes = step_forward(belief.mean, told, p)
+    steered, _, _, _ = yaw(mean, p)
+    fresh = belief.evidence.located == 0.0
+    z, gates = screen(z, mean, steered + mean.swerve, fresh, belief.gates, p.gates)
     covariance = spread(belief.covariance, slopes, growth(z, mean, belief, p))
     trail = (follow_trail(belief.trail[0], belief.mean, mean),) + belief.trail[:-1]
 
-    age = belief.evidence.fix_age + p.period
-    angle = Clue(UNITS.steering_angle, z.steering_angle - mean.steering_angle, p.steering, math.inf)
-    clues = (
-        speed_clue(mean, z, told.acceleration, p), difference_clue(mean, z, p), angle,
-        gyro_clue(mean, z.yaw_rate, p),
-    ) + fix_clues(mean, covariance, trail, z, belief.rejected, p)  # fmt: skip
-    learned = Learned(ZERO, covariance)
-    fix_nis = 0.0
-    for n in range(len(clues)):
-        learned, nis = learn(learned, clues[n])
-        fix_nis = fix_nis + (nis if n > 3 else 0.0)
-    fixed = fix_nis == fix_nis
-    mean = axpy(1.0, learned.shift, mean)
-    surprise = belief.evidence.surprise
-    surprise = surprise + (0.1 * (fix_nis / 3.0 - surprise) if fixed else 0.0)
-    evidence = Evidence(0.0 if fixed else age, surprise)
-    last = fix_nis if fixed else belief.fix_nis
-    rejected = belief.rejected + (1.0 if z.fix.x == z.fix.x else 0.0)
-    rejected = 0.0 if fixed else rejected
-    following = Belief(mean, learned.covariance, trail, evidence, rejected, last)
-    return see(mean, evidence, p), following
+    off, ahead = fix_innovation(mean, trail, z.fix, p)
+    there = off.x == off.x
+    fitted = fits(off, covariance, p)
+    starts = fresh and not fitted
+    mean = select(starts, begin(mean, z, off, p), mean)
+    agreed = there and not fitted and agrees(off, belief.off, p)
+    forced = agreed and belief.rejected >= p.patience
+    poses = fix_clues(off, ahead, (fitted or forced) and not starts, p)
+    mean, covariance, fix_nis = correct(mean, covariance, z, told.acceleration, poses, p)
+
+    located = not fresh or there
+    evidence, heard = age_readings(z, located, fitted or (starts and there), fix_nis, belief, p)
+    rejected = belief.rejected + 1.0 if agreed else (1.0 if there else belief.rejected)
+    rejected = 0.0 if fitted or forced or starts else rejected
+    last = fix_nis if fix_nis == fix_nis else belief.fix_nis
+    following = Belief(
+        mean, covariance, trail, evidence, gates, heard, rejected,
+        select(there and not fitted, off, belief.off), last,
+    )  # fmt: skip
+    sound = finite_sum(following) == 0.0
+    following = select(sound, following, belief)
+    return see(following.mean, evidence, p), following
 
 
 @kernel
@@ -394,9 +482,42 @@ class Ekf(Spec):
             position=self.position_noise**2,
             heading=self.heading_noise**2,
             gate=self.gate**2,
+            surprising=SURPRISING**2,
             patience=float(self.patience),
+            gates=self._gates(robot, period),
         )
         return EstimatorPart(estimate_kinematics, parameters, self._belief(robot, start, period))
+
+    def jitter(self, robot: Tricycle, period: float) -> Jitter:
+        """By how much the pose changes at a decision because of noise alone: one pose's correction.
+
+        In the steady state of a scalar filter with process variance q and measurement variance r, the
+        correction has the standard deviation p / √(p + r), with p = (q + √(q² + 4 q r)) / 2.
+        """
+
+        def step(process: float, noise: float) -> float:
+            q, r = process**2 * period, noise**2
+            p = 0.5 * (q + math.sqrt(q * q + 4.0 * q * r))
+            return p / math.sqrt(p + r)
+
+        turning = math.hypot(self.heading_drift, self.swerve * math.sqrt(2.0 * self.swerve_time))
+        return Jitter(step(self.pose_drift, self.position_noise), step(turning, self.heading_noise))
+
+    def _gates(self, robot: Tricycle, period: float) -> GateParameters:
+        act = robot.actuators
+        return GateParameters(
+            period=period,
+            history=self.history,
+            track=robot.track_width,
+            wheelbase=robot.wheelbase,
+            wheels=0.5,
+            part=0.3,
+            gyro=0.75,
+            steering=0.12 + 5.0 * self.steering_noise,
+            turning=0.15 + 5.0 * self.steering_noise,
+            lock=act.steering_angle_limit + 0.1 + 5.0 * self.steering_noise,
+            swing=1.5 * act.steering_rate_limit * period + 0.03,
+        )
 
     def _belief(self, robot: Tricycle, start: Start, period: float) -> Belief:
         angle = math.atan(robot.wheelbase * start.curvature)
@@ -415,4 +536,8 @@ class Ekf(Spec):
         )
         instants = math.ceil(self.history / period - 1e-9) + 1
         trail = (Place(0.0, 0.0, 0.0),) * (1 << (instants - 1).bit_length())
-        return Belief(mean, Covariance(*rows), trail, TRUSTED, 0.0, 3.0)
+        evidence = TRUSTED._replace(located=0.0)
+        nowhere = Place(0.0, 0.0, 0.0)
+        return Belief(
+            mean, Covariance(*rows), trail, evidence, UNHEARD, Heard(0.0, 0.0), 0.0, nowhere, 3.0
+        )

@@ -70,7 +70,9 @@ class Clue(NamedTuple):
     slope: Kinematics  # ∂(reading)/∂(state)
     surprise: float  # reading minus expectation; not a number if there is none
     variance: float
-    gate: float  # square of the largest normalised innovation that is believed
+    surprising: (
+        float  # normalised innovation squared, beyond which its own square adds to the variance
+    )
 
 
 class Learned(NamedTuple):
@@ -80,6 +82,7 @@ class Learned(NamedTuple):
     covariance: Covariance
 
 
+IMPOSSIBLE = 1e12  # normalised innovation squared of what is no reading at all
 _SIZE = len(Kinematics._fields)
 ZERO = Kinematics(*[0.0] * _SIZE)
 UNITS = Covariance(*[Kinematics(*[float(n == m) for m in range(_SIZE)]) for n in range(_SIZE)])
@@ -140,13 +143,18 @@ def times(c: Covariance, h: Kinematics) -> Kinematics:
 
 @kernel
 def learn(so_far: Learned, clue: Clue) -> Any:
-    """One scalar correction, and the squared normalised innovation (not a number without a reading)."""
+    """One scalar correction, and the squared normalised innovation (not a number without a reading).
+
+    A reading that is not finite changes nothing; one that surprises too much has little weight.
+    """
     c = so_far.covariance
     gain = times(c, clue.slope)
     spread = dot(clue.slope, gain) + clue.variance
     surprise = clue.surprise - dot(clue.slope, so_far.shift)
-    nis = surprise * surprise / spread
-    believed = nis <= clue.gate
+    square = surprise * surprise
+    nis = square / spread
+    spread = spread + (square if nis > clue.surprising else 0.0)
+    believed = nis < IMPOSSIBLE
     factor = 1.0 / spread if believed else 0.0
     step = factor * surprise if believed else 0.0
     shift = axpy(step, gain, so_far.shift)

@@ -44,6 +44,7 @@ def curvature_law(
         steering_angle=atan(p.model.wheelbase * curvature),
         torque_left=0.5 * (total - difference),
         torque_right=0.5 * (total + difference),
+        brake=0.0,
     )
     errors = Errors(heading_error, rate_error, speed_error)
     return command, CurvatureMemory(target_rate), errors

@@ -11,6 +11,7 @@ from osculate.control.tracking.curvature_tracker import (
     LEAST,
     ExactParameters,
     Frame,
+    Motive,
     Wish,
     clamp_error,
 )
@@ -43,23 +44,60 @@ def wish(
 
 
 @kernel
-def follow(
+def path_angle(
+    s: float, p: ExactParameters, curve: CurveTable, tables: NDArray[np.float64]
+) -> float:
+    """Steering angle (rad) of a robot on the path at arc length ``s`` (m)."""
+    k, _ = curvature_at(s, curve, tables)
+    return atan(p.wheelbase * k)
+
+
+@kernel
+def feed_path_forward(
+    at: Frame, pace: float, pose: Pose, acceleration: float, p: ExactParameters, curve: CurveTable,
+    tables: NDArray[np.float64],
+) -> Motive:  # fmt: skip
+    """The path's angle, its rate and its acceleration, by central differences over ± one window.
+
+    Where the curvature has a corner, the rate passes from one side to the other within the window, half of it
+    before the corner: as fast as a servo whose command has a limited rate can follow.
+    """
+    t = p.window
+    way, bow = pose.speed * t, 0.5 * acceleration * t * t
+    early = path_angle(at.arc_length + pace * (bow - way), p, curve, tables)
+    middle = path_angle(at.arc_length, p, curve, tables)
+    late = path_angle(at.arc_length + pace * (bow + way), p, curve, tables)
+    return Motive(middle, (late - early) / (2.0 * t), (late - 2.0 * middle + early) / (t * t))
+
+
+@kernel
+def feed_return_forward(
     at: Frame, first: Wish, speed: float, p: ExactParameters, curve: CurveTable, tables: Any
-) -> Frame:
-    """The ideal motion one horizon later, by the midpoint rule."""
-    half = 0.5 * p.horizon * speed
-    step = half * first.pace
+) -> Motive:
+    """Likewise what the wanted angle is beyond the path's, along the ideal motion back to it.
+
+    The ideal motion is followed over one window by the midpoint rule.
+    """
+    step = 0.5 * p.return_window * speed * first.pace
     middle = Frame(
         at.arc_length + step,
         at.aside + step * first.aside_rate,
         at.heading_error + step * first.turn,
     )
     inner = wish(middle, speed, p, curve, tables)
-    step = 2.0 * half * inner.pace
-    return Frame(
+    step = p.return_window * speed * inner.pace
+    end = Frame(
         at.arc_length + step,
         at.aside + step * inner.aside_rate,
         at.heading_error + step * inner.turn,
+    )
+    last = wish(end, speed, p, curve, tables)
+    now = first.steering_angle - path_angle(at.arc_length, p, curve, tables)
+    half = inner.steering_angle - path_angle(middle.arc_length, p, curve, tables)
+    late = last.steering_angle - path_angle(end.arc_length, p, curve, tables)
+    t = p.return_window
+    return Motive(
+        now, (4.0 * half - 3.0 * now - late) / t, 4.0 * (now - 2.0 * half + late) / (t * t)
     )
 
 
@@ -105,22 +143,22 @@ def steer_exactly(
     foot = foot_of(pose.x, pose.y, pose.heading, moved, curve, tables)
     speed = pose.speed if pose.speed > 0.02 else 0.02
 
-    at0 = Frame(foot.arc_length, foot.aside, foot.heading_error)
-    wish0 = wish(at0, speed, p, curve, tables)
-    at1 = follow(at0, wish0, speed, p, curve, tables)
-    wish1 = wish(at1, speed, p, curve, tables)
-    at2 = follow(at1, wish1, speed, p, curve, tables)
-    wish2 = wish(at2, speed, p, curve, tables)
+    at = Frame(foot.arc_length, foot.aside, foot.heading_error)
+    now = wish(at, speed, p, curve, tables)
+    path = feed_path_forward(at, now.pace, pose, view.acceleration, p, curve, tables)
+    back = feed_return_forward(at, now, speed, p, curve, tables)
+    angle, rate = path.angle + back.angle, path.rate + back.rate
+    bend = path.acceleration + back.acceleration
 
-    early, middle, late = wish0.steering_angle, wish1.steering_angle, wish2.steering_angle
-    rate = (3.0 * late - 4.0 * middle + early) / (2.0 * p.horizon)
+    t = p.half_period + twin.lead
     command = (
-        p.angle_gain * (late + twin.lead * rate)
-        + p.rate_gain * rate
-        + p.angle_feedback * pose.steering.angle
-        + p.rate_feedback * pose.steering.rate
-    )
+        angle + t * rate + 0.5 * t * t * bend
+        + p.damping_time * (rate + t * bend)
+        + p.inertia_time * bend
+        + p.angle_feedback * (pose.steering.angle - angle)
+        + p.rate_feedback * (pose.steering.rate - rate)
+    )  # fmt: skip
     length = p.time * speed
     length = length if length > p.shortest else p.shortest
-    bound = caution(wish0, rate, pose.steering.angle, speed, length, p)
+    bound = caution(now, rate, pose.steering.angle, speed, length, p)
     return command - twin.shift, bound, known

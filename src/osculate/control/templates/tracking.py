@@ -7,7 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import Errors
-from osculate.control.estimation.contract import Evidence
+from osculate.control.estimation.contract import Evidence, Sight
+from osculate.control.gate import gate_command
+from osculate.control.reasons import (
+    CALM,
+    GYRO,
+    IMPOSSIBLE,
+    NO_GYRO,
+    NO_STEERING,
+    STEERING,
+    UNDRIVEN,
+    Alarm,
+    is_stop,
+)
+from osculate.control.standstill import StopMemory, come_to_rest, oppose, watch_readings
 from osculate.control.tracking.contract import (
     Foot,
     Issued,
@@ -15,12 +28,15 @@ from osculate.control.tracking.contract import (
     TrackingParameters,
     View,
     foot_of,
+    servo_angle,
+    twin_angle,
 )
+from osculate.control.tracking.pipe import PipeParameters, Pose, roll
 from osculate.control.tracking.speed_loop import SpeedMemory, SpeedParameters
-from osculate.kernel import kernel, read
+from osculate.kernel import finite_sum, kernel, read, select
 from osculate.kernel.maths import clip, tan
 from osculate.target.contract import Reference
-from osculate.vehicle.actuators import Steering, servo_move
+from osculate.vehicle.actuators import Steering
 from osculate.vehicle.model import steered_torque
 from osculate.vehicle.motion import Command, Motion
 
@@ -33,13 +49,17 @@ if TYPE_CHECKING:  # parts, bound by `compose`
     DELAYED = True
 
 SLOWEST = 0.02  # m/s, below which a plan does not fall
+WIDEST = 1.5  # rad, of a twin's steering angle: the tangent goes no further
 
 
 @kernel
-def observe_steering(motion: Motion, expected: Steering, gain: float) -> Steering:
+def observe_steering(motion: Motion, expected: Steering, p: TrackingParameters) -> Steering:
     """Angle as measured, rate as expected and corrected by the angle's surprise."""
     surprise = motion.steering_angle - expected.angle
-    return Steering(motion.steering_angle, expected.rate + gain * surprise)
+    limit = p.half.rate_limit
+    return Steering(
+        motion.steering_angle, clip(expected.rate + p.observer * surprise, -limit, limit)
+    )
 
 
 @kernel
@@ -52,13 +72,16 @@ def planned_speed(s: float, p: TrackingParameters, tables: NDArray[np.float64]) 
 
 @kernel
 def drive(
-    speed: float, wanted: float, brake: float, arriving: float, steering: Steering,
+    speed: float, wanted: float, brake: float, arriving: float, heard: bool, steering: Steering,
     now: SpeedMemory, p: TrackingParameters,
 ) -> Any:  # fmt: skip
     """Total torque (N m) and the memory after this decision; ``arriving`` acts from now on."""
     q: SpeedParameters = p.speed
-    step = clip(wanted - now.reference, -brake * p.period, q.acceleration * p.period)
-    error = speed - now.model
+    before = now.acceleration if now.acceleration > 0.0 else 0.0
+    rise = before + q.jerk * p.period
+    rise = rise if rise < q.acceleration else q.acceleration
+    step = clip(wanted - now.reference, -brake * p.period, rise * p.period)
+    error = speed - now.model if heard else 0.0
     surface = error + q.sliding * now.integral
     push, twist_rate = switch(surface, now.twist, q)
     acceleration = step / p.period - q.proportional * error + push
@@ -71,46 +94,131 @@ def drive(
         model=now.model + q.lag * (arriving - now.model),
         integral=now.integral + free * p.period * error,
         twist=now.twist + free * p.period * twist_rate,
+        acceleration=step / p.period,
     )
     return limited, memory, error
 
 
 @kernel
-def track(
-    seen: Motion, evidence: Evidence, memory: TrackingMemory, p: TrackingParameters,
-    tables: NDArray[np.float64],
+def settle(
+    torque: float, speed: float, moved: SpeedMemory, stop: StopMemory, waits: bool,
+    p: TrackingParameters,
 ) -> Any:  # fmt: skip
+    """Torque (N m), brake and memory of the speed loop of a robot that drives, stops or stands."""
+    rests = waits or stop.resting > 0.0
+    brakes = stop.alarm.reason > 0.0
+    opposed = 0.0 if p.stop.brake > 0.0 else oppose(torque, speed)
+    torque = opposed if brakes else torque
+    brake = p.stop.brake if brakes else 0.0
+    standing = SpeedMemory(0.0, 0.0, 0.0, 0.0, 0.0)
+    return (
+        0.0 if rests else torque, p.stop.parking if rests else brake,
+        select(rests, standing, moved),
+    )  # fmt: skip
+
+
+@kernel
+def worst(
+    readings: Alarm, watched: Alarm, guarded: Alarm, evidence: Evidence, p: TrackingParameters
+) -> Alarm:
+    """The alarm that counts: stops before cautions, causes before consequences."""
+    alarm = CALM
+    alarm = select(evidence.gyro_age > p.stop.wheels, Alarm(NO_GYRO, 0.0, GYRO), alarm)
+    alarm = select(evidence.steering_age > p.stop.wheels, Alarm(NO_STEERING, 0.0, STEERING), alarm)
+    alarm = select(guarded.reason > 0.0, guarded, alarm)
+    alarm = select(is_stop(watched.reason), watched, alarm)
+    return select(readings.reason > 0.0, readings, alarm)
+
+
+@kernel
+def expect(
+    motion: Motion, steering: Steering, command: float, acceleration: float, rests: bool,
+    p: TrackingParameters,
+) -> Any:  # fmt: skip
+    """The motion one period later under a command (rad) of the twin's servo, and its steering."""
+    speed = 0.0 if rests else motion.speed
+    pose = Pose(motion.x, motion.y, motion.heading, speed, steering)
+    pipe = PipeParameters(p.half, p.wheelbase, p.period, 0.0)
+    end: Pose = roll(pose, command, 0.0 if rests else acceleration, pipe)
+    yaw_rate = end.speed * tan(end.steering.angle) / p.wheelbase
+    angle = end.steering.angle
+    return Motion(end.x, end.y, end.heading, end.speed, yaw_rate, angle), end.steering
+
+
+@kernel
+def propose(
+    view: View, memory: TrackingMemory, p: TrackingParameters, tables: NDArray[np.float64]
+) -> Any:
+    """Steering angle (rad, of the twin), speed bound (m/s) and memory of the law, and their soundness.
+
+    A law whose answer is not finite is not followed: the angle stays, the robot slows down, and the law
+    forgets what it has learned at this instant.
+    """
+    angle, bound, learned = steer(view, memory.steer, p.steer, p.curve, tables)
+    sound = finite_sum((angle, bound, learned)) == 0.0
+    held = twin_angle(memory.gate.last.steering_angle, view.bias, view.stretch)
+    angle = clip(angle if sound else held, -WIDEST, WIDEST)
+    return angle, bound if sound else 0.0, select(sound, learned, memory.steer), sound
+
+
+@kernel
+def track(
+    sight: Sight, memory: TrackingMemory, p: TrackingParameters, tables: NDArray[np.float64]
+) -> Any:
     """One decision: the command, the next memory, and what was wanted and missed."""
-    motion, watched = watch(seen, evidence, memory.guard, p.guard)
-    steering = observe_steering(motion, memory.steering, p.observer)
+    evidence = sight.evidence
+    motion, watched, strange = watch(sight.motion, memory.expected, memory.guard, p.guard)
+    steering = observe_steering(motion, memory.steering, p)
     guess = memory.progress + p.period * motion.speed
     foot: Foot = foot_of(motion.x, motion.y, motion.heading, guess, p.curve, tables)
 
     pending = memory.pending
     oldest = pending[len(pending) - 1]
     acceleration = (oldest.speed - memory.speed.model) * p.speed.lag / p.period
-    view = View(motion, foot, steering, acceleration, pending)
-    angle, bound, steer_memory = steer(view, memory.steer, p.steer, p.curve, tables)
-    angle = clip(angle, -p.angle_limit, p.angle_limit)
-    angle, bound, brake, guarded = guard(
+    view = View(motion, foot, steering, acceleration, pending, sight.bias, sight.stretch)
+    angle, bound, learned, sound = propose(view, memory, p, tables)
+    waits = evidence.located <= 0.0
+    angle, bound, brake, guarded, danger = guard(
         view, angle, bound, p.speed.deceleration, watched, p.guard, p.curve, tables
     )
+    missing = watch_readings(evidence, memory.gate.undecided, foot.arc_length, memory.stop, p.stop)
+    alarm = worst(missing, strange, danger, evidence, p)
+    reason = memory.stop.alarm.reason
+    heard = reason != IMPOSSIBLE and reason != UNDRIVEN
+    pace = motion.speed if heard else memory.speed.model
+    stop = come_to_rest(alarm, pace, foot.arc_length, memory.stop, p.stop)
+    brakes = stop.alarm.reason > 0.0
+    rests = waits or stop.resting > 0.0
 
     plan = planned_speed(foot.arc_length + p.speed.ahead * motion.speed, p, tables)
     wanted = plan if plan < bound else bound
-    torque, speed_memory, speed_error = drive(
-        motion.speed, wanted, brake, oldest.speed, steering, memory.speed, p
-    )
+    torque, moved, speed_error = drive(
+        motion.speed, 0.0 if brakes or waits else wanted, p.stop.deceleration if brakes else brake,
+        oldest.speed, heard, steering, memory.speed, p,
+    )  # fmt: skip
+    torque, braking, speed_memory = settle(torque, pace, moved, stop, waits, p)
+    servo = servo_angle(angle, sight.bias, sight.stretch)
+    held = memory.gate.last.steering_angle
+    decided = Command(held if rests else servo, 0.5 * torque, 0.5 * torque, braking)
+    command, gate = gate_command(decided, sound, memory.gate, p.gate)
 
-    decided = Issued(angle, speed_memory.reference)
-    acting = oldest.steering_angle if DELAYED else angle
-    following = TrackingMemory(
+    acting = oldest.steering_angle if DELAYED else command.steering_angle
+    following, servo_next = expect(
+        motion, steering, twin_angle(acting, sight.bias, sight.stretch),
+        (speed_memory.model - memory.speed.model) / p.period, rests, p,
+    )  # fmt: skip
+    after = TrackingMemory(
         progress=foot.arc_length,
-        steering=servo_move(steering, acting, p.servo),
+        evidence=evidence,
+        expected=following,
+        steering=servo_next,
         speed=speed_memory,
-        pending=(decided,) + pending[:-1],
-        steer=steer_memory,
+        pending=(Issued(command.steering_angle, speed_memory.reference),) + pending[:-1],
+        steer=learned,
         guard=guarded,
+        gate=gate,
+        stop=stop,
+        alarm=select(brakes, stop.alarm, alarm),
     )
     bend = foot.curvature
     reference = Reference(
@@ -118,4 +226,4 @@ def track(
         motion.heading - foot.heading_error,
     )  # fmt: skip
     errors = Errors(foot.heading_error, motion.yaw_rate - bend * motion.speed, speed_error)
-    return Command(angle, 0.5 * torque, 0.5 * torque), following, reference, errors
+    return command, after, reference, errors

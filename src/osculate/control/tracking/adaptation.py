@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from osculate.control.tracking.contract import Foot, View
 from osculate.kernel import Nothing, kernel
-from osculate.kernel.maths import atan, clip, sincos
+from osculate.kernel.maths import atan, clip, sincos, wrap_angle
 from osculate.vehicle.actuators import Steering
 from osculate.vehicle.motion import Motion
 
@@ -66,7 +66,7 @@ def learn_habits(view: View, now: Habits, p: AdaptationParameters) -> Habits:
     t = (
         p.period / 12.0
     )  # means over a period by the trapezoidal rule, corrected by the slopes at its ends
-    turned = m.heading - now.heading
+    turned = wrap_angle(m.heading - now.heading)
     sine, cosine = sincos(now.heading + 0.5 * turned - t * (m.yaw_rate - now.yaw_rate))
     last, newest = now.steering, view.steering
     angle = 0.5 * (last.angle + newest.angle) - t * (newest.rate - last.rate)
@@ -106,5 +106,5 @@ def adapt(view: View, now: Habits, p: AdaptationParameters) -> Any:
         foot.arc_length, foot.aside, foot.heading_error - tilt, foot.curvature, foot.curvature_rate
     )
     steering = Steering(view.steering.angle + shift, view.steering.rate)
-    twin = View(motion, seen, steering, view.acceleration, view.pending)
+    twin = View(motion, seen, steering, view.acceleration, view.pending, view.bias, view.stretch)
     return Twin(twin, shift, habits.slip * m.speed, habits.slip), habits

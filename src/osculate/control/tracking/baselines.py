@@ -234,7 +234,10 @@ class PreviewLqr(PathTracker):
     lateral_acceleration: float = quantity(
         "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0
     )
-    horizon: float = quantity("s", "half of the servo's inversion", default=0.02, gt=0)
+    horizon: float | None = quantity(
+        "s", "half of the servo's inversion; by default from servo, delay and noise", default=None,
+        gt=0,
+    )  # fmt: skip
 
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""

@@ -18,14 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control.contract import Controller, ControlPart, Start
-from osculate.control.estimation.contract import Evidence
+from osculate.control.estimation.contract import TRUSTED, Evidence
+from osculate.control.gate import GateMemory, GateParameters, gate_of
+from osculate.control.reasons import CALM, Alarm
+from osculate.control.standstill import DRIVING, StopMemory, StopParameters
 from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
 from osculate.curve.contract import Curve
 from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
 from osculate.kernel import Grid, Nothing, Tables, compose, kernel
-from osculate.kernel.maths import sincos, wrap_angle
+from osculate.kernel.maths import atan, sincos, tan, wrap_angle
 from osculate.target.contract import TargetPart
-from osculate.target.speed import Limits, SpeedPlan, plan_speed
+from osculate.target.speed import Ceiling, Limits, SpeedPlan, plan_speed
 from osculate.vehicle.actuators import ServoStep, Steering
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Motion
@@ -50,7 +53,7 @@ class Foot(NamedTuple):
 class Issued(NamedTuple):
     """A decision that does not act yet."""
 
-    steering_angle: float  # rad
+    steering_angle: float  # rad, of the servo
     speed: float  # m/s, the speed it is meant to lead to
 
 
@@ -62,6 +65,8 @@ class View(NamedTuple):
     steering: Steering  # angle as measured, rate as observed
     acceleration: float  # m/s², expected until the next decision acts
     pending: Any  # tuple of `Issued`, the newest first
+    bias: float  # rad, see `Sight`
+    stretch: float
 
 
 class TrackingParameters(NamedTuple):
@@ -70,24 +75,45 @@ class TrackingParameters(NamedTuple):
     model: ReducedModel
     period: float  # s
     observer: float  # 1/s, gain of the servo observer's rate
-    servo: ServoStep  # one period
-    angle_limit: float  # rad
+    half: ServoStep  # half a period
+    wheelbase: float  # m
     speed: SpeedParameters
     profile: Grid  # E and E' over arc length
     curve: CurveTable
     steer: Any  # parameters of the steering law
     guard: Any  # of the safety layer
+    gate: GateParameters
+    stop: StopParameters
 
 
 class TrackingMemory(NamedTuple):
     """Memory of the tracking template."""
 
     progress: float  # m
-    steering: Steering  # expected at the next instant
+    evidence: Evidence  # of the last motion
+    expected: Motion  # at the next instant
+    steering: Steering  # likewise
     speed: SpeedMemory
     pending: Any  # tuple of `Issued`, the newest first
     steer: Any  # memory of the steering law
     guard: Any  # of the safety layer
+    gate: GateMemory
+    stop: StopMemory
+    alarm: Alarm  # of the last decision
+
+
+@kernel
+def twin_angle(servo: float, bias: float, stretch: float) -> float:
+    """Steering angle (rad) of the twin (see `Sight`) when the servo stands at ``servo``."""
+    plain = bias == 0.0 and stretch == 1.0
+    return servo if plain else atan(tan(servo + bias) / stretch)
+
+
+@kernel
+def servo_angle(twin: float, bias: float, stretch: float) -> float:
+    """Angle (rad) of the servo at which the robot turns as its twin with the angle ``twin`` does."""
+    plain = bias == 0.0 and stretch == 1.0
+    return twin if plain else atan(stretch * tan(twin)) - bias
 
 
 @kernel
@@ -111,6 +137,13 @@ def foot_of(
     )
 
 
+class Jitter(NamedTuple):
+    """By how much a believed pose changes from one decision to the next for no reason: RMS."""
+
+    position: float  # m, across the path
+    heading: float  # rad
+
+
 @dataclass(frozen=True)
 class Road:
     """What a tracker is made for: the robot, the curve and its speeds, and its own timing."""
@@ -118,27 +151,36 @@ class Road:
     robot: Tricycle
     curve: CurveTable
     profile: Grid
+    limits: Limits
     period: float  # s
     delay: int  # periods between a decision and its effect
-    exact: bool = True  # whether motions are known, not estimated
+    jitter: Jitter | None = None  # of the pose that is believed; None if it is known
 
 
 def survey(
-    curve: Curve, robot: Tricycle, limits: Limits, period: float, delay: int, tables: Tables
+    curve: Curve,
+    robot: Tricycle,
+    limits: Limits,
+    period: float,
+    delay: int,
+    tables: Tables,
+    ceiling: Ceiling | None = None,
 ) -> tuple[Road, SpeedPlan]:
     """Plan the speed and tabulate curve and plan; what is in ``tables`` already is shared.
+
+    A ``ceiling`` is one more limit of the speed over arc length, with its name.
 
     Raises:
         InvalidInput: Limits that contradict each other.
         NoSolution: The robot cannot follow the curve.
     """
-    task = (curve, robot, limits)
+    task = (curve, robot, limits, ceiling)
     plan = tables.once(task, lambda: plan_speed(*task))
     profile = tables.once((*task, "profile"), lambda: plan.table(tables))
     cells = max(CELLS, math.ceil(curve.length / FINEST))
     beyond = BEYOND + 2.0 * robot.wheelbase
     table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
-    return Road(robot, table, profile, period, delay), plan
+    return Road(robot, table, profile, limits, period, delay), plan
 
 
 @dataclass(frozen=True)
@@ -151,9 +193,9 @@ class SteerPart:
 
 
 @kernel
-def watch_nothing(motion: Motion, evidence: Evidence, memory: Nothing, p: Nothing) -> Any:
+def watch_nothing(motion: Motion, expected: Motion, memory: Nothing, p: Nothing) -> Any:
     """Believe every motion."""
-    return motion, memory
+    return motion, memory, CALM
 
 
 @kernel
@@ -162,7 +204,7 @@ def guard_nothing(
     curve: CurveTable, tables: NDArray[np.float64],
 ) -> Any:  # fmt: skip
     """Leave every decision as it is."""
-    return angle, bound, deceleration, memory
+    return angle, bound, deceleration, memory, CALM
 
 
 class GuardPart(NamedTuple):
@@ -172,10 +214,45 @@ class GuardPart(NamedTuple):
     guard: Any = guard_nothing
     parameters: Any = Nothing()
     memory: Any = Nothing()
+    patience: float | None = None  # s, for which pose and encoders may be missing
+    deceleration: float = math.inf  # m/s², of a stop, if the robot can
 
 
 #: No safety layer.
 UNGUARDED = GuardPart()
+BRAKING = 0.8  # part of motors, brake and grip that a stop counts on
+GRIP = 0.72  # part of the load: nine tenths of a friction of 0.8
+POSE_PATIENCE = 5.0  # s, for which a pose may be missing where nothing guards the robot
+PATIENCE = 0.3  # s, likewise the wheel encoders, or motions
+
+
+def stop_deceleration(robot: Tricycle) -> float:
+    """Deceleration (m/s²) of a stop by the brake or, without one, by the motors."""
+    means = robot.brake.deceleration if robot.brake else BRAKING * robot.motor_deceleration
+    return min(means, BRAKING * GRIP * robot.gravity)
+
+
+def stop_parameters(road: Road, end: float, guard: GuardPart) -> StopParameters:
+    """How a robot stops, and when it must.
+
+    Args:
+        road: What it drives.
+        end: Arc length (m) at which the path ends.
+        guard: Its safety layer.
+    """
+    robot = road.robot
+    wanted = min(stop_deceleration(robot), guard.deceleration)
+    share = min(1.0, wanted / robot.brake.deceleration) if robot.brake else 0.0
+    pose = POSE_PATIENCE if road.jitter else PATIENCE
+    return StopParameters(
+        period=road.period,
+        pose=guard.patience or pose,
+        wheels=guard.patience or PATIENCE,
+        deceleration=wanted,
+        brake=share,
+        parking=float(robot.brake is not None),
+        end=end,
+    )
 
 
 class PathTracker(Controller):
@@ -201,28 +278,37 @@ class PathTracker(Controller):
     ) -> ControlPart:
         """Kernel, parameters and initial memory; ``progress`` (m) is where on the curve it starts."""
         law = self.steering_part(road)
-        act, period = road.robot.actuators, road.period
-        angle = float(np.arctan(road.robot.wheelbase * start.curvature))
+        robot, period = road.robot, road.period
+        act = robot.actuators
+        angle = float(np.arctan(robot.wheelbase * start.curvature))
         speed = max(start.speed, 0.0)
+        gate, gate_memory = gate_of(act, period, angle)
         parameters = TrackingParameters(
-            model=road.robot.reduced_model(),
+            model=robot.reduced_model(),
             period=period,
             observer=0.3 / period,
-            servo=act.servo(period),
-            angle_limit=act.steering_angle_limit,
-            speed=self.speed.parameters(road.robot, period, road.delay),
+            half=act.servo(0.5 * period),
+            wheelbase=robot.wheelbase,
+            speed=self.speed.parameters(robot, road.limits, period, road.delay),
             profile=road.profile,
             curve=road.curve,
             steer=law.parameters,
             guard=guard.parameters,
+            gate=gate,
+            stop=stop_parameters(road, road.curve.length, guard),
         )
         memory = TrackingMemory(
             progress=progress,
+            evidence=TRUSTED._replace(located=0.0),
+            expected=Motion(*start[:5], angle),
             steering=Steering(angle, 0.0),
-            speed=SpeedMemory(speed, speed, 0.0, 0.0),
+            speed=SpeedMemory(speed, speed, 0.0, 0.0, 0.0),
             pending=(Issued(angle, speed),) * max(1, road.delay),
             steer=law.memory,
             guard=guard.memory,
+            gate=gate_memory,
+            stop=DRIVING,
+            alarm=CALM,
         )
         switch = self.speed.switch()
         template = "osculate.control.templates.tracking"

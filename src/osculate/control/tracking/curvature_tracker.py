@@ -10,9 +10,14 @@ In the path frame (lateral error y, heading error e, q = 1 − κ y, ' = d/ds):
     φ_d = atan(a (cos e / q) (κ + e'))
 
 This is geometric: the paths that the robot takes back to the curve do not depend on its speed, and nothing
-is divided by κ. The servo is inverted over two horizons h: φ_d is evaluated along the ideal motion from
-the pose at which the decision will act (`look_ahead`), and the command is the one that brings the servo
-to the angle and rate wanted after 2h.
+is divided by κ. φ_d, its rate and its acceleration are taken along the ideal motion from the pose at which the
+decision will act (`look_ahead`), in the middle of the period for which it is held. The servo is inverted:
+
+    φ_c = φ_d + (2ζ/ω) φ̇_d + φ̈_d/ω² + g (φ − φ_d) + g' (φ̇ − φ̇_d)
+
+with the gains (`Actuators.deadbeat`) that bring the servo from any deviation to φ_d within two horizons h.
+What is wanted is inverted exactly whatever h is; h only says how hard deviations, and with them noise, are
+answered (`inversion_horizon`).
 """
 
 import math
@@ -35,6 +40,11 @@ from osculate.spec import quantity
 
 STEEPEST = 1.2  # rad, heading errors beyond are treated as this one
 LEAST = 0.2  # q is kept above this
+WINDOW = 0.8  # of the servo's time 1/ω, over which the path's angle is differentiated
+RETURN = 0.2  # likewise the angle that leads back to the path
+STIFFNESS = 0.4  # of the servo's time 1/ω, the shortest horizon
+LONGEST = 7  # quarters of the shortest horizon, by which it may be stretched
+CALM = math.radians(0.7)  # rad, change of a command from one decision to the next because of noise
 
 
 class Frame(NamedTuple):
@@ -54,16 +64,26 @@ class Wish(NamedTuple):
     pace: float  # ds per distance driven, cos e / q
 
 
+class Motive(NamedTuple):
+    """A steering angle that changes."""
+
+    angle: float  # rad
+    rate: float  # rad/s
+    acceleration: float  # rad/s²
+
+
 class ExactParameters(NamedTuple):
     """Parameters of `steer_exactly`."""
 
     pipe: PipeParameters
     wheelbase: float  # m
-    horizon: float  # s, h
-    angle_gain: float  # of φ_d after 2h
-    rate_gain: float  # s, of dφ_d/dt after 2h
-    angle_feedback: float  # of φ now
-    rate_feedback: float  # s, of dφ/dt now
+    half_period: float  # s
+    window: float  # s, over which the path's angle is differentiated
+    return_window: float  # s, over which the rest of φ_d is
+    damping_time: float  # s, 2ζ/ω
+    inertia_time: float  # s², 1/ω²
+    angle_feedback: float  # of φ − φ_d
+    rate_feedback: float  # s, of their rates
     shortest: float  # m, smallest L
     time: float  # s, L per speed
     slope: float  # tan α
@@ -122,7 +142,10 @@ class CurvatureTracker(PathTracker):
     lateral_acceleration: float = quantity(
         "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0
     )
-    horizon: float = quantity("s", "h, half of the servo's inversion", default=0.02, gt=0)
+    horizon: float | None = quantity(
+        "s", "h, half of the time in which the servo makes good a deviation; by default from servo, "
+        "delay and noise", default=None, gt=0,
+    )  # fmt: skip
     learning: float = quantity(
         "s", "time in which slip and steering offset are learned from exact poses; 0: never",
         default=0.2, ge=0,
@@ -133,15 +156,39 @@ class CurvatureTracker(PathTracker):
         return exact_part(
             road, demand_exactly, horizon=self.horizon, tightness=self.tightness,
             approach_angle=self.approach_angle, lateral=self.lateral_acceleration,
-            learning=self.learning if road.exact else 0.0,
+            learning=0.0 if road.jitter else self.learning,
         )  # fmt: skip
+
+
+def inversion_horizon(road: Road, length: float) -> float:
+    """H (s): the shortest whose commands do not tremble; it is a matter of servo, delay and noise.
+
+    A pose that is believed to jump by (δy, δe) changes the wanted angle by about δφ = a (δy/L² + 2 δe/L) and
+    the command by (1 + |g|) δφ, where g, the gain of the servo's inverse, falls with ω h. A longer horizon
+    makes good deviations later, so that the first one whose command changes by no more than `CALM` is taken.
+
+    Args:
+        road: Robot, timing and jitter of the believed pose; without jitter the stiffest is taken.
+        length: L (m), over which the law recovers.
+    """
+    act = road.robot.actuators
+    shortest = max(STIFFNESS / act.steering_frequency, road.period)
+    if road.jitter is None:
+        return shortest
+    across, turned = road.jitter.position / length**2, 2.0 * road.jitter.heading / length
+    wanted = road.robot.wheelbase * math.hypot(across, turned)
+    for stretch in range(LONGEST):
+        horizon = shortest * (1.0 + 0.25 * stretch)
+        if (1.0 + abs(act.deadbeat(horizon)[2])) * wanted <= CALM:
+            break
+    return horizon
 
 
 def exact_part(
     road: Road,
     demand: Any,
     *,
-    horizon: float,
+    horizon: float | None,
     lateral: float,
     tightness: float = 1.0,
     approach_angle: float = math.pi / 4.0,
@@ -153,7 +200,7 @@ def exact_part(
     Args:
         road: What it is made for.
         demand: Kernel of the demand.
-        horizon: h, half of the servo's inversion (s).
+        horizon: h, half of the servo's inversion (s); None chooses it.
         lateral: Largest lateral acceleration that the law may cause (m/s²).
         tightness: See `CurvatureTracker`; a linear demand uses it for its caution only.
         approach_angle: Steepest approach (rad), of the exact demand.
@@ -161,8 +208,9 @@ def exact_part(
         learning: Time in which slip and offset are learned (s); 0 learns nothing.
     """
     robot, act = road.robot, road.robot.actuators
-    horizon = max(horizon, road.period)
-    gains = act.deadbeat(horizon)
+    shortest = 0.4 * robot.wheelbase / tightness
+    horizon = horizon or inversion_horizon(road, shortest)
+    _, _, *feedback = act.deadbeat(max(horizon, road.period))
     lag = 2.0 * act.steering_damping / act.steering_frequency + (road.delay + 0.5) * road.period
     tipping = 0.9 * robot.tipping_acceleration
     parameters = ExactParameters(
@@ -170,9 +218,13 @@ def exact_part(
             act.servo(0.5 * road.period), robot.wheelbase, road.period, float(road.delay)
         ),
         robot.wheelbase,
-        horizon,
-        *gains,
-        shortest=0.4 * robot.wheelbase / tightness,
+        0.5 * road.period,
+        max(WINDOW / act.steering_frequency, 2.0 * road.period),
+        max(RETURN / act.steering_frequency, road.period),
+        2.0 * act.steering_damping / act.steering_frequency,
+        act.steering_frequency**-2,
+        *feedback,
+        shortest=shortest,
         time=0.8 * lag / tightness,
         slope=float(np.tan(approach_angle)),
         lateral=min(lateral, tipping),

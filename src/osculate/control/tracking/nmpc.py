@@ -54,7 +54,7 @@ class Nmpc(ExternalTracker):
             steering = memory.steering._replace(angle=motion.steering_angle)
             moved = memory.progress + road.period * motion.speed
             foot = foot_of(motion.x, motion.y, motion.heading, moved, road.curve, tables)
-            view = View(motion, foot, steering, 0.0, memory.pending)
+            view = View(motion, foot, steering, 0.0, memory.pending, 0.0, 1.0)
             pose = look_ahead(view, 0.0, pipe)
             ahead = foot.arc_length + road.delay * road.period * motion.speed
             foot = foot_of(pose.x, pose.y, pose.heading, ahead, road.curve, tables)

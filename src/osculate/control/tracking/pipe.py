@@ -6,7 +6,7 @@ the pose follows by Simpson's rule in the map frame, which no path singularity c
 
 from typing import Any, NamedTuple
 
-from osculate.control.tracking.contract import View
+from osculate.control.tracking.contract import View, twin_angle
 from osculate.kernel import kernel
 from osculate.kernel.maths import sincos, tan
 from osculate.vehicle.actuators import ServoStep, Steering, servo_move
@@ -60,5 +60,6 @@ def look_ahead(view: View, shift: float, p: PipeParameters) -> Any:
     pose = Pose(motion.x, motion.y, motion.heading, motion.speed, view.steering)
     if p.delay > 0.0:
         for n in range(len(view.pending) - 1, -1, -1):
-            pose = roll(pose, view.pending[n].steering_angle + shift, view.acceleration, p)
+            command = twin_angle(view.pending[n].steering_angle, view.bias, view.stretch)
+            pose = roll(pose, command + shift, view.acceleration, p)
     return pose

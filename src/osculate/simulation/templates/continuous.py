@@ -25,9 +25,9 @@ def hold(age: int, substeps: int, held: Nothing, p: Parameters) -> Nothing:
 
 
 @kernel
-def halted(held: Nothing) -> bool:
+def halted(held: Nothing) -> float:
     """A continuous law stops nothing."""
-    return False
+    return 0.0
 
 
 @kernel

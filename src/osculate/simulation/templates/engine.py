@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from osculate.control.reasons import ARRIVED
 from osculate.kernel import compiled, finite_sum, kernel, load, scratch, select, store
 from osculate.simulation.records import (
     DIVERGED,
@@ -79,8 +80,10 @@ def advance(
         or tally.foot + travelled >= p.path_end
         or t + h >= p.deadline
     )
-    stopped = halted(run.held) and abs(speed) < STANDSTILL
-    code = DIVERGED if wild else (FINISHED if beyond else (STOPPED if stopped else RUNNING))
+    stopped = halted(run.held) if abs(speed) < STANDSTILL else 0.0
+    beyond = beyond or stopped == ARRIVED
+    stands = STOPPED if stopped > 0.0 else RUNNING
+    code = DIVERGED if wild else (FINISHED if beyond else stands)
     running = LANES == 1 or run.status.code == RUNNING
     going = running and code == RUNNING
     moved = Moved(

@@ -22,9 +22,9 @@ NOTHING = Nothing()
 
 
 @kernel
-def halted(held: Held) -> bool:
-    """Whether the law has decided to stop for good."""
-    return held.stop > 0.0
+def halted(held: Held) -> float:
+    """Reason for which the law stops the robot for good; 0 is none."""
+    return held.stop
 
 
 @kernel

@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # parts, bound by `compose`
 
 MOTION = Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 WHEELS = Wheels(0.0, 0.0)
-COMMAND = Command(0.0, 0.0, 0.0)
+COMMAND = Command(0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -66,8 +66,8 @@ def act_once(
     Args:
         t: Time (s).
         motion: Shape (6, 1).
-        before: Shape (3, 1), the command before.
-        decided: Shape (3, 1), overwritten by what the actuators are told.
+        before: Shape (4, 1), the command before.
+        decided: Shape (4, 1), overwritten by what the actuators are told.
         blows: Shape (leaves, 1).
         impairment: Shape (leaves, 1).
         push: Shape (4, 1), overwritten.
