@@ -212,25 +212,28 @@ def compare(
     ] = Path("comparison"),
 ) -> None:
     """Compare controllers on curves, speeds, starts and plants."""
-    from osculate.control.tracking import TRACKERS, Nmpc
+    from osculate.control.tracking import Nmpc
     from osculate.study.comparison import compare as run_comparison
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import starts as known_starts
+    from osculate.study.comparison import trackers_for
     from osculate.study.comparison.report import MEANING, OURS, ranking_table
     from osculate.study.comparison.suite import conditions
     from osculate.study.comparison.verdicts import condition_table, summary, verdicts
     from osculate.vehicle import vehicle_named
 
-    laws: dict[str, Any] = {**TRACKERS, "nmpc": Nmpc()}
-    chosen = {n: choose("controller", n, laws) for n in _names(controllers) or TRACKERS}
+    body = vehicle_named(robot)
+    compiled = trackers_for(body)
+    laws: dict[str, Any] = {**compiled, "nmpc": Nmpc()}
+    chosen = {n: choose("controller", n, laws) for n in _names(controllers) or compiled}
     with progress("comparing") as report:
         result = run_comparison(
             chosen,
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts) or (["running"] if suite == "reality" else None)),
-            condition=conditions(_names(plants), suite),
-            robot=vehicle_named(robot),
+            condition=conditions(_names(plants), suite, body),
+            robot=body,
             draws=draws,
             report=report,
         )

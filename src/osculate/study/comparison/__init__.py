@@ -11,12 +11,14 @@ from osculate.study.comparison.suite import (
     training_curves,
 )
 from osculate.study.comparison.tune import Tuning, tune
+from osculate.study.comparison.tuned import TUNED, trackers_for
 from osculate.study.comparison.verdicts import Verdict, verdicts
 
 __all__ = [
     "CONDITIONS",
     "REALITY",
     "STOPS",
+    "TUNED",
     "Comparison",
     "Condition",
     "Tuning",
@@ -24,6 +26,7 @@ __all__ = [
     "compare",
     "curves",
     "starts",
+    "trackers_for",
     "training_curves",
     "tune",
     "verdicts",

@@ -11,13 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.control.tracking import TRACKERS, PathTracker
+from osculate.control.tracking import PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
 from osculate.plant import Mujoco, world_of
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
+from osculate.study.comparison.tuned import trackers_for
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
 
@@ -156,7 +157,7 @@ def compare(
     """Run every combination and collect one cell for each.
 
     Args:
-        controllers: Path trackers by name; by default all of the package.
+        controllers: Path trackers by name; by default all of the package, as tuned for the robot.
         on: Curves by name; by default the built-in set.
         speeds: Largest speeds (m/s).
         start: Initial states by name.
@@ -171,10 +172,10 @@ def compare(
     Raises:
         NoSolution: The robot cannot follow one of the curves.
     """
-    laws = dict(controllers or TRACKERS)
-    paths = dict(on or curves())
-    begins, states = dict(start or starts()), dict(condition or conditions())
     body, task = robot or Tricycle(), limits or Limits()
+    laws = dict(controllers or trackers_for(body))
+    paths = dict(on or curves())
+    begins, states = dict(start or starts()), dict(condition or conditions(robot=body))
     timing = clock or Sampled(period=0.01, delay=0.01)
     grid = list(itertools.product(paths, speeds, begins))
     fields = {name: getattr(task, name) for name in type(task).model_fields}

@@ -31,6 +31,9 @@ from osculate.plant import (
 )
 from osculate.simulation import InitialState
 from osculate.spec import Spec, quantity
+from osculate.vehicle import VEHICLES, Tricycle
+
+PAPER = VEHICLES["paper"]
 
 
 class Condition(Spec):
@@ -57,8 +60,42 @@ class Condition(Spec):
         )
         return self.model_copy(update={"sensors": sensors, "faults": faults})
 
+    def suited(self, robot: Tricycle) -> "Condition":
+        """The condition for another robot than the paper's, for which the numbers are written.
 
-#: Conditions by name.
+        A payload is the same part of the robot's mass. Gusts along the robot and the slope take at most
+        half of the acceleration that its motors have to spare: what stops every law tells none from another.
+        """
+        part = _mass(robot) / _mass(PAPER)
+        faults = tuple(_suited(fault, part, _spare(robot) / 2.0) for fault in self.faults)
+        load = getattr(self.plant, "payload", 0.0)
+        plant = self.plant.model_copy(update={"payload": load * part}) if load else self.plant
+        return self.model_copy(update={"plant": plant, "faults": faults})
+
+
+def _suited(fault: AnyFault, part: float, push: float) -> AnyFault:
+    if isinstance(fault, Payload):
+        return fault.model_copy(update={"mass": fault.mass * part})
+    if isinstance(fault, Gusts):
+        return fault.model_copy(update={"along": min(fault.along, push)})
+    if isinstance(fault, Slope):
+        grade = min(abs(fault.grade), push / fault.gravity)
+        return fault.model_copy(update={"grade": math.copysign(grade, fault.grade)})
+    return fault
+
+
+def _mass(robot: Tricycle) -> float:
+    """Everything that is weighed (kg)."""
+    return robot.body_mass + 3.0 * robot.wheel_mass
+
+
+def _spare(robot: Tricycle) -> float:
+    """Acceleration (m/s²) that the motors give beyond what rolling takes."""
+    rolling = robot.actuators.rolling_resistance * robot.gravity
+    return max(robot.motor_deceleration - rolling, 0.0)
+
+
+#: Conditions by name, with the numbers of the paper's robot.
 CONDITIONS: dict[str, Condition] = {
     "ideal": Condition(),
     "slow-servo": Condition(plant=Actuated(servo=0.7)),
@@ -167,14 +204,17 @@ def starts(names: Iterable[str] | None = None) -> dict[str, InitialState]:
     return {name: choose("start", name, STARTS) for name in names or ("on-path", "offset")}
 
 
-def conditions(names: Iterable[str] | None = None, suite: str = "ideal") -> dict[str, Condition]:
-    """Conditions by name; without names those of a suite, ``ideal`` or ``reality``.
+def conditions(
+    names: Iterable[str] | None = None, suite: str = "ideal", robot: Tricycle = PAPER
+) -> dict[str, Condition]:
+    """Conditions by name, suited to a robot; without names those of a suite, ``ideal`` or ``reality``.
 
     Raises:
         InvalidInput: No such condition.
     """
     return {
-        name: choose("plant", name, CONDITIONS) for name in names or choose("suite", suite, SUITES)
+        name: choose("plant", name, CONDITIONS).suited(robot)
+        for name in names or choose("suite", suite, SUITES)
     }
 
 
