@@ -1,8 +1,8 @@
 """Write the tables of the reality suite into README.md and docs/reality.md (`make tables`).
 
-Every robot x condition x tracker is one task, whose cells are kept under ``build/tables``: a second run takes
-what is finished from there. What a task is named after is everything that decides its numbers: the code that
-simulates, the tracker, the robot, the condition, curves, speeds and draws.
+Every robot, condition and tracker is one task, whose cells are kept under ``build/tables``: a second run
+takes what is finished from there. A task is named after everything that decides its numbers: the code
+that simulates, the tracker, the robot, the condition, curves, speeds and draws.
 """
 
 import argparse

@@ -64,7 +64,7 @@ class Condition(Spec):
         """The condition for another robot than the paper's, for which the numbers are written.
 
         A payload is the same part of the robot's mass. Gusts along the robot and the slope take at most
-        half of the acceleration that its motors have to spare: what stops every law tells none from another.
+        half of the acceleration that its motors have to spare: what stops every law tells nothing.
         """
         part = _mass(robot) / _mass(PAPER)
         faults = tuple(_suited(fault, part, _spare(robot) / 2.0) for fault in self.faults)

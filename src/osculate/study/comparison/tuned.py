@@ -1,7 +1,7 @@
 """Trackers as tuned for the robots of the catalogue, so that each is compared at its best.
 
-Made by ``osculate tune TRACKER --robot ROBOT`` on the package's training curves, which are never reported.
-For the paper's robot the defaults of the classes are the tuned values. `CurvatureTracker` is tuned for none.
+Made by ``osculate tune TRACKER --robot ROBOT`` on the package's training curves, never reported.
+The defaults of the classes are the values for the paper's robot. `CurvatureTracker` is tuned for none.
 """
 
 import warnings
