@@ -12,7 +12,7 @@ from osculate.vehicle import VEHICLES, Tricycle
 #: Robot, tracker, fields.
 TUNED: dict[str, dict[str, dict[str, float]]] = {
     "paper": {},
-    "tugger": {},
+    "tugger": {"lqr-preview": {"aside_weight": 459.336, "heading_weight": 22.572}},
     "forklift": {},
 }
 
