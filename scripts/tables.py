@@ -18,9 +18,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import osculate
+from osculate.plant import Mujoco
 from osculate.study.comparison.compare import Comparison, compare
 from osculate.study.comparison.report import OURS
-from osculate.study.comparison.suite import conditions, curves, starts
+from osculate.study.comparison.suite import CONDITIONS, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
 from osculate.study.comparison.verdicts import condition_table, summary, verdicts
 from osculate.vehicle import vehicle_named
@@ -72,6 +73,10 @@ def _is_text(node: ast.AST) -> bool:
     )
 
 
+def _in_mujoco(condition: str) -> bool:
+    return isinstance(CONDITIONS[condition].plant, Mujoco)
+
+
 def place(task: Task, folder: Path, code: str) -> Path:
     """The file of a task's cells."""
     robot = vehicle_named(task.robot)
@@ -106,7 +111,7 @@ def work(task: Task, target: Path) -> None:
 def finish(places: dict[Task, Path], workers: int) -> None:
     """Run the tasks whose cells are not there yet, the slow ones first."""
     left = [task for task, path in places.items() if not path.is_file()]
-    left.sort(key=lambda task: "mujoco" not in task.condition)
+    left.sort(key=lambda task: not _in_mujoco(task.condition))
     print(f"{len(places) - len(left)} of {len(places)} tasks are finished already")
     with ProcessPoolExecutor(workers) as pool:
         running = {pool.submit(work, task, places[task]): task for task in left}
@@ -127,8 +132,18 @@ def texts(robot: str, places: dict[Task, Path]) -> Iterator[tuple[str, str]]:
     rule = ["---", *["---:"] * (len(head) - 1)]
     lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *rows)]
     words = summary(found).replace("the controller", f"`{OURS}`")
-    yield f"table {robot}", "\n".join([*lines, "", words])
+    yield f"table {robot}", "\n".join([*lines, "", words, *_repeats(robot, places)])
     yield f"rival {robot}", "\n".join(f"- {v.sentence}" for v in found if v.other == RIVAL)
+
+
+def _repeats(robot: str, places: dict[Task, Path]) -> list[str]:
+    """How often runs with random numbers were repeated, if there are any."""
+    seeded = {kind for kind, state in conditions(CONDITIONS).items() if state.seeded}
+    mine = [task for task in places if task.robot == robot and task.condition in seeded]
+    counts = {_in_mujoco(task.condition): task.draws for task in mine}
+    words = {False: "outside MuJoCo", True: "in MuJoCo"}
+    parts = [f"{words[inside]} {counts[inside]}" for inside in sorted(counts)]
+    return [f"Draws of every combination with random numbers: {', '.join(parts)}."] if parts else []
 
 
 def insert(page: str, name: str, text: str) -> str:
@@ -144,7 +159,7 @@ def _arguments(given: list[str]) -> argparse.Namespace:
     parser.add_argument("--controllers", default="", help="by commas; all by default")
     parser.add_argument("--curves", default="", help="by commas; all by default")
     parser.add_argument("--speeds", default="0.5,1,2", help="m/s, by commas")
-    parser.add_argument("--draws", type=int, default=2)
+    parser.add_argument("--draws", type=int, default=2, help="of noisy runs; in MuJoCo always 1")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--pages", type=Path, default=ROOT, help="folder of README.md and docs")
     parser.add_argument("--cells", type=Path, default=ROOT / "build" / "tables")
@@ -162,7 +177,7 @@ def main(given: list[str]) -> None:
     paths = tuple(curves(_split(chosen.curves) or None))
     robots, code = _split(chosen.robots), fingerprint()
     tasks = [
-        Task(robot, kind, law, paths, speeds, chosen.draws)
+        Task(robot, kind, law, paths, speeds, 1 if _in_mujoco(kind) else chosen.draws)
         for robot in robots
         for kind in conditions(_split(chosen.conditions) or None, "reality")
         for law in _split(chosen.controllers) or trackers_for(vehicle_named(robot))

@@ -258,6 +258,10 @@ def tune(
     generations: Annotated[int, typer.Option(min=1, help="Generations of the search.")] = 12,
     population: Annotated[int, typer.Option(min=4, help="Controllers per generation.")] = 10,
     seed: Annotated[int, typer.Option(min=1, help="Seed of the search.")] = 1,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Two curves, one speed, two starts, eight controllers."),
+    ] = False,
     output: Annotated[Path, typer.Option("--output", "-o", help="Result file (JSON).")] = Path(
         "tuned.json"
     ),
@@ -265,15 +269,18 @@ def tune(
     """Tune a controller on training curves by CMA-ES."""
     from osculate.control.tracking import TRACKERS
     from osculate.study.comparison import curves as known_curves
+    from osculate.study.comparison import quick_search
     from osculate.study.comparison import tune as run_tuning
     from osculate.vehicle import vehicle_named
 
     law = choose("controller", controller, TRACKERS)
-    training = known_curves(_names(curves), scale) if curves else None
+    search: dict[str, Any] = {"population": population, **(quick_search() if quick else {})}
+    if curves:
+        search["on"] = known_curves(_names(curves), scale)
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
-            law, training, robot=vehicle_named(robot), generations=generations,
-            population=population, seed=seed, report=report,
+            law, robot=vehicle_named(robot), generations=generations, seed=seed, report=report,
+            **search,
         )  # fmt: skip
     for name in result.controller.tunable:
         out.print(f"{name}: {getattr(result.controller, name):.6g}")

@@ -10,7 +10,7 @@ from osculate.study.comparison.suite import (
     starts,
     training_curves,
 )
-from osculate.study.comparison.tune import Tuning, tune
+from osculate.study.comparison.tune import Tuning, quick_search, tune
 from osculate.study.comparison.tuned import TUNED, trackers_for
 from osculate.study.comparison.verdicts import Verdict, verdicts
 
@@ -25,6 +25,7 @@ __all__ = [
     "Verdict",
     "compare",
     "curves",
+    "quick_search",
     "starts",
     "trackers_for",
     "training_curves",

@@ -1,8 +1,9 @@
 """Tuning a controller on training curves by CMA-ES (Hansen's ``cma``), a population at a time in lanes."""
 
+import itertools
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ STARTS = (
 )
 PLANTS = (Actuated(), Actuated(servo=0.75))  # a law that only just holds one robot is no good
 FAILED = 10.0  # cost of a run that failed, in units of log10 of the RMS in mm
+QUICK_POPULATION = 8  # times the eight runs of `quick_search` that is one block of lanes
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ def tune(
     *,
     robot: Tricycle | None = None,
     clock: Sampled | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    starts: Sequence[InitialState] = STARTS,
     generations: int = 12,
     population: int = 10,
     seed: int = 1,
@@ -70,6 +74,8 @@ def tune(
         on: Training curves by name; by default the package's, which are never reported.
         robot: The robot; by default the paper's.
         clock: Period, delay and step.
+        speeds: Largest speeds (m/s), each for every curve.
+        starts: Initial states, each for every curve and speed.
         generations: Generations of the search.
         population: Controllers per generation; their runs share a batch.
         seed: Of the search: the same seed finds the same controller.
@@ -86,7 +92,8 @@ def tune(
     ranges = controller.tunable
     if not ranges:
         raise InvalidInput("controller", type(controller).__name__, "has no tunable fields")
-    task = _Task(controller, dict(on or training_curves()), robot or Tricycle(), clock)
+    paths = list((on or training_curves()).values())
+    task = _Task(controller, robot or Tricycle(), clock, _cells(paths, speeds, starts))
     low, high = (np.log([ranges[name][side] for name in ranges]) for side in (0, 1))
     begin = np.clip(np.log([getattr(controller, name) for name in ranges]), low, high)
     options = {"popsize": population, "seed": seed, "verbose": -9, "bounds": [0.0, 1.0]}
@@ -107,26 +114,39 @@ def tune(
     return Tuning(found, best, initial, history)
 
 
+def quick_search() -> dict[str, Any]:
+    """Arguments of `tune` with few runs: two curves, one speed, two starts; seconds a generation."""
+    chosen = {name: path for name, path in training_curves().items() if name != "hairpin"}
+    return {
+        "on": chosen, "speeds": (1.0,), "starts": (STARTS[0], STARTS[2]),
+        "population": QUICK_POPULATION,
+    }  # fmt: skip
+
+
 def _padded(unit: Any) -> Any:
     """The search needs two dimensions; a second one that does nothing is added to a single one."""
     return unit if len(unit) > 1 else np.append(unit, 0.5)
+
+
+Cell = tuple[Curve, Limits, InitialState, Actuated]
+
+
+def _cells(
+    paths: Sequence[Curve], speeds: Sequence[float], starts: Sequence[InitialState]
+) -> list[Cell]:
+    """All training runs of one controller."""
+    bounds = [Limits(speed=v, creep=min(Limits().creep, v)) for v in speeds]
+    return list(itertools.product(paths, bounds, starts, PLANTS))
 
 
 class _Task:
     """All training runs of any number of controllers."""
 
     def __init__(
-        self, law: PathTracker, paths: dict[str, Curve], robot: Tricycle, clock: Sampled | None
+        self, law: PathTracker, robot: Tricycle, clock: Sampled | None, cells: list[Cell]
     ) -> None:
-        self.law, self.robot = law, robot
-        self.cells = [
-            (path, Limits(speed=v), start, plant)
-            for path in paths.values()
-            for v in SPEEDS
-            for start in STARTS
-            for plant in PLANTS
-        ]
-        longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in self.cells)
+        self.law, self.robot, self.cells = law, robot, cells
+        longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in cells)
         timing = (clock or Sampled(period=0.01, delay=0.01)).model_dump()
         self.clock = Sampled(**{**timing, "duration": PATIENCE * longest + 5.0})
 
