@@ -125,7 +125,7 @@ def test_compare_and_tune(tmp_path):
     assert "curvature-tracker" in done.stdout
     assert len(json.loads((tmp_path / "comparison.json").read_text())) == 2
     done = osculate(
-        "tune", "pure-pursuit", "--curves", "corner", "--generations", "1", "--population", "4",
+        "tune", "pure-pursuit", "--curves", "corner", "--generations", "1", "--quick",
         "--output", tmp_path / "tuned.json",
     )  # fmt: skip
     assert "lookahead" in done.stdout

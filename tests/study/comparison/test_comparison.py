@@ -1,15 +1,30 @@
 """Comparison and tuning: cells, pairs, files; and a search that improves on other curves."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 
-from osculate import CurvatureTracker, InvalidInput, Line, NoSolution, PurePursuit, compare, tune
+from osculate import (
+    CurvatureTracker,
+    InitialState,
+    InvalidInput,
+    Limits,
+    Line,
+    NoSolution,
+    PurePursuit,
+    Sampled,
+    compare,
+    simulate,
+    tune,
+)
 from osculate.control.tracking import PathTracker
-from osculate.study.comparison import curves, training_curves
+from osculate.simulation.batch import LANES
+from osculate.study.comparison import curves, quick_search, training_curves
 from osculate.study.comparison.report import cell_table, ranking_table
 from osculate.study.comparison.suite import CURVES, STARTS, conditions, starts
+from osculate.study.comparison.tune import PLANTS
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +100,28 @@ def test_tuning_improves_and_is_reproducible(tmp_path):
     assert first.history == sorted(first.history, reverse=True)
     content = json.loads(first.write(tmp_path / "a" / "tuned.json").read_text())
     assert PurePursuit(**content["controller"]) == first.controller
+
+
+def test_a_search_is_judged_on_the_speeds_and_starts_that_it_is_given():
+    law, speed, start = PurePursuit(lookahead=0.5), 1.0, InitialState(cross_track=0.1, settled=1.0)
+    path = training_curves()["chicane"]
+    found = tune(law, {"one": path}, speeds=[speed], starts=[start], generations=1, population=4)
+    same = {
+        "controller": law, "limits": Limits(speed=speed), "initial": start,
+        "clock": Sampled(period=0.01, delay=0.01, duration=60.0),
+    }  # fmt: skip
+    runs = [simulate(path, plant=plant, **same) for plant in PLANTS]
+    errors = [1e3 * run.metrics.cross_track_rms for run in runs]
+    assert 10**found.initial_cost == pytest.approx(math.prod(errors) ** (1.0 / len(errors)), 1e-6)
+    slower = tune(law, {"one": path}, speeds=[0.5], starts=[start], generations=1, population=4)
+    assert slower.initial_cost != found.initial_cost
+
+
+def test_a_generation_of_a_quick_search_is_one_block_of_lanes():
+    search = quick_search()
+    assert set(search["on"].items()) <= set(training_curves().items())
+    runs = len(search["on"]) * len(search["speeds"]) * len(search["starts"]) * len(PLANTS)
+    assert runs * search["population"] == LANES
 
 
 def test_mistakes_are_explained():

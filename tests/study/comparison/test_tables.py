@@ -66,7 +66,7 @@ def test_finished_cells_are_kept_and_pages_written_twice_are_the_same(tmp_path):
         (tmp_path / name).write_text(page)
     given = [
         "--robots", "paper", "--conditions", "ideal", "--controllers",
-        "curvature-tracker,lqr-preview", "--curves", "corner", "--speeds", "1,2", "--workers", "1",
+        "curvature-tracker,pure-pursuit", "--curves", "corner", "--speeds", "1,2", "--workers", "1",
         "--pages", str(tmp_path), "--cells", str(tmp_path / "cells"),
     ]  # fmt: skip
     make_tables(*given)
