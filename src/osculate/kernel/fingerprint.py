@@ -10,25 +10,19 @@ kernel whose surroundings have changed since is refused as well, for its machine
 """
 
 import hashlib
-import sys
-import sysconfig
 from collections.abc import Iterator, Mapping
 from enum import Enum
-from functools import cache
-from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 from weakref import WeakKeyDictionary
 
-import llvmlite
-import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
-from numba.core.typing.templates import builtin_registry
 
 from osculate.errors import InvalidInput
 from osculate.kernel.bytecode import Anatomy, Read, dissect
+from osculate.kernel.foreign import findable, is_foreign, named, overloads_of
 
 ATOMS = {bool, int, float, complex, str, bytes, type(None), type(Ellipsis)}
 
@@ -37,8 +31,6 @@ Content = tuple[object, ...]
 _anatomies: WeakKeyDictionary[FunctionType, tuple[CodeType, str, Anatomy]] = WeakKeyDictionary()
 _pinned: WeakKeyDictionary[FunctionType, dict[str, Content]] = WeakKeyDictionary()
 _fixed: dict[int, tuple[Any, Content]] = {}  # classes and foreign things, which do not change
-_overloads: dict[int, list[Any]] = {}
-_registered = 0  # globals of Numba's registry that `_overloads` knows
 
 
 def fingerprint(value: Any, name: str) -> str:
@@ -85,15 +77,15 @@ class _Walk:
             return self.of(type(value), name), *[self.of(item, name) for item in value]
         if isinstance(value, Dispatcher):
             return self._dispatcher(value, name)
+        if overloads := overloads_of(value):
+            return "overloads", *[self.of(item, name) for item in overloads]
         if id(value) in _fixed:
             return _fixed[id(value)][1]
-        if overloads := _overloads_of(value):
-            return "overloads", *[self.of(item, name) for item in overloads]
         if isinstance(value, _Intrinsic):
             return "intrinsic", self.of(value._defn, name), value._prefer_literal  # noqa: SLF001
-        if isinstance(value, FunctionType) and not _is_foreign(value.__module__):
+        if isinstance(value, FunctionType) and not is_foreign(value.__module__):
             return ("function", self._function(value))
-        if isinstance(value, type) and not _findable(value):
+        if isinstance(value, type) and not findable(value):
             _fixed[id(value)] = value, self._class(value, name)
             return _fixed[id(value)][1]
         return self._data(value, name)
@@ -107,7 +99,10 @@ class _Walk:
             return "set", *sorted((self.of(item, name) for item in value), key=repr)
         if isinstance(value, Mapping):
             return "mapping", *[self.of(item, f"{name}.{item[0]}") for item in value.items()]
-        _fixed[id(value)] = value, _foreign(value, name)
+        stands_for = named(value)
+        if stands_for is None:
+            raise _refusal(name, value)
+        _fixed[id(value)] = value, stands_for
         return _fixed[id(value)][1]
 
     def _dispatcher(self, value: Any, name: str) -> Content:
@@ -125,20 +120,23 @@ class _Walk:
             members = [(key, self.of(item.value, name)) for key, item in value.__members__.items()]
             return "enumeration", *title, *members
         if issubclass(value, tuple) and hasattr(value, "_fields"):
-            defaults = self.of(value._field_defaults, name)
+            defaults = self.of(dict(value._field_defaults), name)  # type: ignore[attr-defined]
             return "named tuple", *title, value._fields, defaults
         raise _refusal(name, value)
 
     def _function(self, function: FunctionType) -> str:
         if id(function) in self.known:
             return self.known[id(function)]
-        code, essence, anatomy = _anatomy(function)
+        _, essence, anatomy = _anatomy(function)
         if id(function) in self.open:
             circle = self.open[self.open.index(id(function)) :]
             self.circular.update(circle if len(circle) > 1 else ())
             return essence
         self.open.append(id(function))
-        parts: dict[str, Content] = {"its code": (essence,), **dict(self._dependencies(function, anatomy))}
+        parts: dict[str, Content] = {
+            "its code": (essence,),
+            **dict(self._dependencies(function, anatomy)),
+        }
         self.open.pop()
         digest = _hash(parts)
         if id(function) not in self.circular:  # else it depends on where the walk came from
@@ -146,13 +144,17 @@ class _Walk:
             self.known[id(function)] = digest
         return digest
 
-    def _dependencies(self, function: FunctionType, anatomy: Anatomy) -> Iterator[tuple[str, Content]]:
+    def _dependencies(
+        self, function: FunctionType, anatomy: Anatomy
+    ) -> Iterator[tuple[str, Content]]:
         name = function.__qualname__
         for module in anatomy.imports:
-            if not _is_foreign(module):
+            if not is_foreign(module):
                 raise InvalidInput(f"{name}.{module}", module, "must be imported outside it")
         yield "its defaults", self.of((function.__defaults__, function.__kwdefaults__), name)
-        for free, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        for free, cell in zip(
+            function.__code__.co_freevars, function.__closure__ or (), strict=True
+        ):
             yield free, self.of(cell.cell_contents, f"{name}.{free}")
         for read in anatomy.reads:
             if read[0] in function.__globals__:
@@ -168,13 +170,15 @@ class _Walk:
             if not hasattr(value, attribute):
                 return ("missing",)
             module, value = value.__name__, getattr(value, attribute)
-        if module and _is_foreign(module) and not _overloads_of(value):
+        if module and is_foreign(module) and not overloads_of(value):
             return "foreign", module, *read
         return self.of(value, name)
 
     def _compare(self, function: FunctionType, parts: dict[str, Content]) -> None:
         before = _pinned.get(function)
-        changed = before and [key for key in {**before, **parts} if before.get(key) != parts.get(key)]
+        changed = before and [
+            key for key in {**before, **parts} if before.get(key) != parts.get(key)
+        ]
         if changed:
             valid = (
                 f"was compiled before {', '.join(changed)} changed, and its machine code is the old one; "
@@ -187,15 +191,6 @@ class _Walk:
 
 def _hash(content: object) -> str:
     return hashlib.sha256(repr(content).encode()).hexdigest()
-
-
-@cache
-def versions() -> str:
-    """What the machine code of every kernel depends on: interpreter, libraries, compiler options."""
-    modules = [(module.__name__, module.__version__) for module in (numba, np, llvmlite)]
-    names = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "BOUNDSCHECK", "DEBUGINFO_DEFAULT")
-    options = [(name, getattr(numba.config, name, None)) for name in names]
-    return _hash((sys.implementation.cache_tag, sys.version_info[:3], modules, options))
 
 
 def _anatomy(function: FunctionType) -> tuple[CodeType, str, Anatomy]:
@@ -216,56 +211,6 @@ def _array(value: Any, name: str) -> Content:
     dtype = np.lib.format.dtype_to_descr(value.dtype)
     data = hashlib.sha256(value.tobytes()).hexdigest()
     return "array", type(value).__name__, dtype, value.shape, order, data
-
-
-def _overloads_of(value: Any) -> list[Any]:
-    """The compiled implementations of a Python function that are not Numba's own."""
-    global _registered
-    known = builtin_registry.globals
-    for key, kind in known[_registered:]:
-        for template in getattr(kind, "templates", ()):
-            implementation = getattr(template, "_overload_func", None)
-            if implementation and not _is_foreign(implementation.__module__):
-                _overloads.setdefault(id(key), []).append((implementation, template._jit_options))  # noqa: SLF001
-    _registered = len(known)
-    return _overloads.get(id(value), [])
-
-
-def _foreign(value: Any, name: str) -> Content:
-    """Things of Python, NumPy and Numba: their versions stand for their content."""
-    if isinstance(value, ModuleType) and _is_foreign(value.__name__):
-        return "module", value.__name__
-    if isinstance(value, (numba.types.Type, np.dtype)):
-        return type(value).__name__, str(value)
-    if not _findable(value):
-        raise _refusal(name, value)
-    return "foreign", value.__module__, _title(value)
-
-
-def _title(value: Any) -> str:
-    return str(getattr(value, "__qualname__", None) or getattr(value, "__name__", ""))
-
-
-def _findable(value: Any) -> bool:
-    """Whether a thing of Python, NumPy or Numba can be found again under its name."""
-    module = getattr(value, "__module__", None)
-    if not isinstance(module, str) or not _is_foreign(module):
-        return False
-    found: Any = sys.modules.get(module)
-    for part in _title(value).split("."):
-        found = getattr(found, part, None)
-    return found is value
-
-
-@cache
-def _is_foreign(module: str | None) -> bool:
-    top = str(module).partition(".")[0]
-    if top in ("numba", "numpy", "llvmlite"):
-        return True
-    if top not in sys.stdlib_module_names:
-        return False
-    file = getattr(sys.modules.get(top), "__file__", None)  # a user's module may have the same name
-    return file is None or Path(file).is_relative_to(sysconfig.get_path("stdlib"))
 
 
 def _refusal(name: str, value: Any) -> InvalidInput:

@@ -18,9 +18,9 @@ CURE = "set OSCULATE_CACHE_DIR to a folder of your own that nobody else can writ
 def cache_directory() -> Path | None:
     """Where machine code is kept.
 
-    ``OSCULATE_CACHE_DIR`` if set, else ``osculate`` in the user's cache directory. Where that cannot be made
-    or others could write it, a new private folder that is removed when this process ends (a warning says so,
-    once); None if there is no place even for that.
+    ``OSCULATE_CACHE_DIR`` if set, else ``osculate`` in the user's cache directory. Where that cannot be
+    made or others could write it, a new private folder that is removed when this process ends (a warning
+    says so, once); None if there is no place even for that.
 
     Raises:
         InvalidInput: ``OSCULATE_CACHE_DIR`` names something that is no folder.
@@ -97,10 +97,14 @@ def _private(fault: str) -> Path | None:
     except OSError:
         _say(f"{fault}; every process compiles anew; {CURE}")
         return None
-    process = os.getpid()
-    atexit.register(lambda: os.getpid() == process and shutil.rmtree(folder, ignore_errors=True))
+    atexit.register(_remove, folder, os.getpid())
     _say(f"{fault}; machine code is kept in a temporary folder until this process ends; {CURE}")
     return folder
+
+
+def _remove(folder: Path, process: int) -> None:
+    if os.getpid() == process:  # not in a fork of it
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _say(message: str) -> None:

@@ -1,9 +1,9 @@
 """Machine code on disk: found again by a fingerprint, in a folder that only its owner can write.
 
-Machine code is loaded by unpickling, which runs whatever a file says: see `osculate.kernel.folder` for where
-that is safe. Files carry a checksum: one that is truncated, foreign or of another version counts as missing
-and is replaced. A file appears under its name complete or not at all, so that any number of processes can
-fill the folder and be killed.
+Machine code is loaded by unpickling, which runs whatever a file says; `osculate.kernel.folder` sees to it
+that no other user can put a file there. Files carry a checksum: one that is truncated, foreign or
+renamed counts as missing and is replaced. A file appears under its name complete or not at all, so
+that any number of processes can fill the folder and be killed.
 """
 
 import contextlib
@@ -23,10 +23,12 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
 
-from osculate.kernel.fingerprint import pin, versions
+from osculate.kernel.fingerprint import pin
 from osculate.kernel.folder import cache_directory, others_write
+from osculate.kernel.foreign import versions
 
 MAGIC = b"osculate machine code 1\n"
+HEAD = len(MAGIC) + hashlib.sha256().digest_size
 ABANDONED = 3600.0  # s, after which a temporary file is that of a process that was killed
 
 
@@ -76,8 +78,8 @@ def _read(file: Path) -> bytes | None:
             content = stream.read()
     except OSError:
         return None
-    payload = content[len(_head(b"")) :]
-    return payload if content == _head(payload) + payload else None
+    payload = content[HEAD:]
+    return payload if content == _head(file, payload) + payload else None
 
 
 def _write(file: Path, payload: bytes) -> None:
@@ -86,7 +88,7 @@ def _write(file: Path, payload: bytes) -> None:
         _clear(file.parent)
         number, temporary = tempfile.mkstemp(suffix=".tmp", dir=file.parent)  # mode 0600
         with os.fdopen(number, "wb") as stream:
-            stream.write(_head(payload) + payload)
+            stream.write(_head(file, payload) + payload)
         Path(temporary).replace(file)
     except OSError as error:
         if temporary:
@@ -94,8 +96,8 @@ def _write(file: Path, payload: bytes) -> None:
         _say(f"machine code cannot be stored ({error}); the next process compiles again")
 
 
-def _head(payload: bytes) -> bytes:
-    return MAGIC + hashlib.sha256(payload).digest()
+def _head(file: Path, payload: bytes) -> bytes:
+    return MAGIC + hashlib.sha256(file.name.encode() + payload).digest()
 
 
 def _clear(folder: Path) -> None:
