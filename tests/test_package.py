@@ -31,7 +31,7 @@ def public_names():
 def test_the_public_names_are_those_that_are_listed():
     now, listed = set(public_names()), set(NAMES.read_text(encoding="utf-8").split())
     assert now == listed, (
-        f"new: {sorted(now - listed)}; gone: {sorted(listed - now)}. Users depend on these names: say so in "
+        f"new: {sorted(now - listed)}; gone: {sorted(listed - now)}. Users depend on them: say so in "
         f"CHANGELOG.md and put them into {NAMES.name} (python {Path(__file__).name} writes it)"
     )
 
