@@ -94,6 +94,10 @@ PLACES = {
     "member": lambda g: define("def f(x):\n    return E", E=enumeration(g).HIGH),
     "overload": lambda g: define("@kernel\ndef f(x):\n    return h(x)", h=overloaded(g)),
     "intrinsic": lambda g: define("@kernel\ndef f(x):\n    return h(x)", h=intrinsic_with(g)),
+    "one of many globals": lambda g: define(
+        "def f(x):\n    return (" + ",".join(f"G{n}" for n in range(300)) + ")",
+        **{f"G{n}": g if n == 299 else 0 for n in range(300)},
+    ),
     "frozen set": lambda g: define(f"def f(x, nan=0, inf=1):\n    return x in {{{g!r}, 5}}"),
 }
 

@@ -111,6 +111,28 @@ def test_only_what_matters_compiles_anew(place):
     assert ask(moved, 2.0, OSCULATE_CACHE_DIR=str(place / "cache")) == ([7.0], 0, "")
 
 
+def test_types_of_one_name_are_told_apart(place):
+    (place / "laws.py").write_text(
+        "from osculate.kernel import kernel\n\n@kernel\ndef law(x):\n    return x.b\n"
+    )
+    program = """
+        import sys
+        sys.path.insert(0, sys.argv[1])
+        from laws import law
+        from osculate.kernel import compose
+        from states import State
+        ask = compose("template", {"law": law}).ask
+        print(ask(State(1.0, 2.0)), sum(ask.stats.cache_hits.values()))
+    """
+    for fields, answer in (("ab", 2.0), ("ba", 1.0)):
+        lines = "".join(f"    {field}: float\n" for field in fields)
+        (place / "states.py").write_text(
+            f"from typing import NamedTuple\n\nclass State(NamedTuple):\n{lines}"
+        )
+        assert ask(place, program=program) == ([answer], 0, "")
+    assert ask(place, program=program) == ([1.0], 1, "")
+
+
 def test_a_notebook_is_noticed_too(place):
     notebook = """
         import sys
@@ -347,16 +369,16 @@ os.fdopen = half
 
 @pytest.mark.parametrize("moment", KILLED)
 def test_six_processes_fill_an_empty_folder_while_one_is_killed(place, moment):
-    command = [sys.executable, "-c"]
-    preludes = [KILLED[moment], *[""] * (5 if moment == "within the file" else 0)]
+    others = 5 if moment == "within the file" else 0
+    tasks = [(KILLED[moment], "9.0"), *[("", "2.0 5.0")] * others]  # nobody else writes its 9.0
     processes = [
         subprocess.Popen(
-            [*command, prelude + textwrap.dedent(PROGRAM), str(place), "2.0", "5.0"],
+            [sys.executable, "-c", prelude + textwrap.dedent(PROGRAM), str(place), *gains.split()],
             env=environment(place),
             stdout=subprocess.PIPE,
             text=True,
         )
-        for prelude in preludes
+        for prelude, gains in tasks
     ]
     answers = [process.communicate()[0] for process in processes]
     assert processes[0].returncode == -signal.SIGKILL

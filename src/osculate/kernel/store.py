@@ -22,6 +22,7 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
+from numba.core.types import BaseTuple
 
 from osculate.kernel.fingerprint import pin
 from osculate.kernel.folder import cache_directory, others_write
@@ -50,7 +51,8 @@ class MachineCode(NullCache):  # type: ignore[misc]
         folder = cache_directory()
         if folder is None:
             return None
-        key = (content, versions(), str(sig), target_context.codegen().magic_tuple())
+        types = [_described(kind) for kind in normalize_signature(sig)[0]]
+        key = (content, versions(), types, target_context.codegen().magic_tuple())
         digest = hashlib.sha256(repr(key).encode()).hexdigest()
         self.file = folder / f"{self.function.__name__}-{digest[:32]}.code"
         payload = _read(self.file)
@@ -66,6 +68,13 @@ class MachineCode(NullCache):  # type: ignore[misc]
         fixed = not data.lifted and not data.library.has_dynamic_globals
         if self.file and fixed and pickle.loads(dumps(data.signature)) == data.signature:
             _write(self.file, dumps(data._reduce()))  # noqa: SLF001
+
+
+def _described(kind: Any) -> tuple[object, ...]:
+    """An argument's type; the name of a named tuple does not say which field is where."""
+    fields = getattr(kind, "fields", ())
+    inner = [_described(part) for part in kind] if isinstance(kind, BaseTuple) else []
+    return str(kind), str(getattr(kind, "instance_class", "")), fields, inner
 
 
 def _read(file: Path) -> bytes | None:
