@@ -85,9 +85,7 @@ class Scenario(Spec):
         plants: dict[str, AnyPlant] = {
             "actuated": Actuated(), "slip": Slip(), "mujoco": Mujoco(),
         }  # fmt: skip
-        chosen = choose("plant", plant, plants)
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return Scenario(**{**fields, "plant": chosen})
+        return self.but(plant=choose("plant", plant, plants))
 
     @cached_property
     def parts(self) -> dict[str, Any]:
