@@ -1,0 +1,179 @@
+"""JSON and YAML as plain data, strictly: no number that programs read differently, everything bounded.
+
+YAML's plain scalars become a float only if they are a decimal number; ``010``, ``1:30``, ``0x1F``, ``1_000``
+and ``yes`` stay text, which is no coordinate. Keys stay text. libyaml's parser is used where it is there.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from osculate.curve.files.found import refuse
+from osculate.curve.files.numbers import strict
+
+DEEPEST = 40  # nested mappings and lists
+EXPANDED = 20_000_000  # values, aliases written out
+_NOTHING = ("", "~", "null", "Null", "NULL")
+_EVERY = 20_000  # events between two reports of progress
+
+
+def load_json(text: str, label: str) -> list[Any]:
+    """The documents in a JSON text; there may be several, one after the other (JSON lines).
+
+    Raises:
+        InvalidInput: Not JSON, a key twice, NaN, nested too deeply; says in which line.
+    """
+    decoder = json.JSONDecoder(object_pairs_hook=_pairs, parse_constant=_constant)
+    documents, at = [], 0
+    try:
+        while at < len(text):
+            if text[at].isspace():
+                at += 1
+                continue
+            document, at = decoder.raw_decode(text, at)
+            documents.append(document)
+    except json.JSONDecodeError as error:
+        raise refuse(label, f"is not valid JSON: {error.msg}", f"line {error.lineno}") from None
+    except RecursionError:
+        raise refuse(label, f"is nested more than {DEEPEST} deep") from None
+    except ValueError as error:  # of the hooks, and of whole numbers with thousands of digits
+        raise refuse(label, f"is not valid JSON: {error}") from None
+    _check_depth(documents, label)
+    return documents
+
+
+def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    mapping = dict(pairs)
+    if len(mapping) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"the key {twice!r} is there twice in one mapping")
+    return mapping
+
+
+def _constant(name: str) -> float:
+    raise ValueError(f"{name} is no number, must be finite")
+
+
+def _check_depth(data: list[Any], label: str) -> None:
+    level: list[Any] = data
+    for _ in range(DEEPEST):
+        level = [
+            child
+            for node in level
+            if isinstance(node, (dict, list))
+            for child in (node.values() if isinstance(node, dict) else node)
+            if isinstance(child, (dict, list))
+        ]
+        if not level:
+            return
+    raise refuse(label, f"is nested more than {DEEPEST} deep")
+
+
+def load_yaml(text: str, label: str, on_progress: Callable[[float], None]) -> list[Any]:
+    """The documents in a YAML text that are not empty.
+
+    Raises:
+        InvalidInput: Not YAML, a key twice, an alias to what is not there yet, too deep or too large
+            when aliases are written out; says in which line.
+    """
+    import yaml
+
+    loader: Any = getattr(yaml, "CLoader", yaml.Loader)
+    try:
+        return _Builder(label, max(len(text), 1), on_progress).build(yaml.parse(text, Loader=loader))
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"line {mark.line + 1}" if mark else ""
+        raise refuse(label, f"is not valid YAML: {error.problem or error.context}", where) from None
+    except yaml.YAMLError as error:
+        raise refuse(label, f"is not valid YAML: {error}") from None
+
+
+class _Builder:
+    """Plain data from YAML's events: one list of open mappings and lists, no recursion."""
+
+    def __init__(self, label: str, size: int, on_progress: Callable[[float], None]) -> None:
+        self.label, self.size, self.on_progress = label, size, on_progress
+        self.open: list[Any] = []  # mappings and lists that are not finished
+        self.keys: list[str | None] = []  # the key that waits for its value, in each of them
+        self.counts: list[int] = []  # values in each, aliases written out
+        self.names: list[str | None] = []  # the anchor of each
+        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.documents: list[Any] = []
+
+    def build(self, events: Iterator[Any]) -> list[Any]:
+        """All documents."""
+        for n, event in enumerate(events):
+            kind = type(event).__name__
+            if kind == "ScalarEvent":
+                self._scalar(event)
+            elif kind in ("MappingStartEvent", "SequenceStartEvent"):
+                self._start({} if kind[0] == "M" else [], event)
+            elif kind in ("MappingEndEvent", "SequenceEndEvent"):
+                self._end(event)
+            elif kind == "AliasEvent":
+                self._alias(event)
+            elif kind == "DocumentStartEvent":
+                self.anchors = {}
+            if n % _EVERY == 0:
+                self.on_progress(event.start_mark.index / self.size)
+        return [document for document in self.documents if document is not None]
+
+    def _error(self, event: Any, message: str) -> Exception:
+        return refuse(self.label, message, f"line {event.start_mark.line + 1}")
+
+    def _scalar(self, event: Any) -> None:
+        if self.open and self.keys[-1] is None and isinstance(self.open[-1], dict):
+            self._key(event)
+            return
+        value: Any = event.value
+        if event.implicit[0] or event.tag in ("tag:yaml.org,2002:float", "tag:yaml.org,2002:int"):
+            value = None if value in _NOTHING else strict(value)
+        if event.anchor:
+            self.anchors[event.anchor] = (value, 1)
+        self._put(value, 1, event)
+
+    def _key(self, event: Any) -> None:
+        if event.value in self.open[-1]:
+            raise self._error(event, f"the key {event.value!r} is there twice in one mapping")
+        if event.value == "<<":
+            raise self._error(event, "merged mappings (<<) are not read; write the fields out")
+        self.keys[-1] = event.value
+
+    def _start(self, container: Any, event: Any) -> None:
+        if self.open and self.keys[-1] is None and isinstance(self.open[-1], dict):
+            raise self._error(event, "a key must be a text, not a list or a mapping")
+        if len(self.open) >= DEEPEST:
+            raise self._error(event, f"is nested more than {DEEPEST} deep")
+        self.open.append(container)
+        self.keys.append(None)
+        self.counts.append(1)
+        self.names.append(event.anchor)
+
+    def _end(self, event: Any) -> None:
+        container, count, name = self.open.pop(), self.counts.pop(), self.names.pop()
+        self.keys.pop()
+        if name:
+            self.anchors[name] = (container, count)
+        self._put(container, count, event)
+
+    def _alias(self, event: Any) -> None:
+        if event.anchor not in self.anchors:
+            raise self._error(event, f"the alias *{event.anchor} has no finished anchor before it")
+        if self.open and self.keys[-1] is None and isinstance(self.open[-1], dict):
+            raise self._error(event, "a key must be a text, not an alias")
+        self._put(*self.anchors[event.anchor], event)
+
+    def _put(self, value: Any, count: int, event: Any) -> None:
+        if not self.open:
+            self.documents.append(value)
+            return
+        self.counts[-1] += count
+        if self.counts[-1] > EXPANDED:
+            raise self._error(event, "its aliases written out are too large")
+        if isinstance(self.open[-1], list):
+            self.open[-1].append(value)
+        else:
+            self.open[-1][self.keys[-1]] = value
+            self.keys[-1] = None
