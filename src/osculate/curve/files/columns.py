@@ -73,12 +73,12 @@ def _no_pair(names: Sequence[Name], pairs: Sequence[tuple[int, int]]) -> str:
     if pairs:
         offers = " or ".join(f"--columns {x + 1},{y + 1}" for x, y in pairs[:4])
         return f"several columns may be x and y among {listed}; say {offers}"
-    there = {axis.axis for axis in map(nm.axis_of, names) if axis}
+    there = {axis.axis: n + 1 for n, axis in enumerate(map(nm.axis_of, names)) if axis}
     if len(there) == 1:
-        found = there.pop()
-        missing = "y" if found == "x" else "x"
-        return f"{found} is there, {missing} is not, among {listed}; say which with --columns 1,2"
-    return f"the header names {listed} and no x and y; if it is a path, say --columns 1,2"
+        found, n = there.popitem()
+        missing, offer = ("y", f"{n},{n + 1}") if found == "x" else ("x", f"{max(n - 1, 1)},{n}")
+        return f"{found} is there, {missing} is not, among {listed}; say which, such as --columns {offer}"
+    return f"the header names {listed} and no x and y; if it is a path, say which, such as --columns 1,2"
 
 
 def wished(
@@ -97,7 +97,9 @@ def wished(
         elif isinstance(entry, int) and 1 <= entry <= count:
             found.append(entry - 1)
         else:
-            valid = f"1 to {count}" + (f", or a name among {', '.join(bare[:SHOWN])}" if bare else "")
+            valid = f"1 to {count}" + (
+                f", or a name among {', '.join(bare[:SHOWN])}" if bare else ""
+            )
             raise refuse(label, f"has no column {entry!r}; --columns takes {valid}")
     if found[0] == found[1]:
         raise refuse(label, f"--columns {wish[0]},{wish[1]} is the same column twice")
@@ -120,7 +122,9 @@ def by_content(numbers: Sequence[Array | None], label: str) -> Columns:
     x, y = able[0], able[1]
     if len(able) == 2 or len(_column(numbers, x)) < 3:
         if _is_time(_column(numbers, x)) and len(able) == 2:
-            raise refuse(label, f"column {x + 1} looks like a time, and there is one other: no path")
+            raise refuse(
+                label, f"column {x + 1} looks like a time, and there is one other: no path"
+            )
         return Columns(x, y, units="m (no header)")
     for looks in (_quaternion, _matrices, _parameter, _constant):
         problem = looks(numbers, able)
@@ -163,7 +167,9 @@ def _quaternion(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
                 return f"columns {first} to {last} look like a quaternion; say which are x and y"
             x, y = (able[n - 3], able[n - 2]) if n > 2 else (able[0], able[1])
             if (x, y) != (able[0], able[1]):
-                return f"columns {first} to {last} look like a quaternion behind x, y, z; {_say(x, y)}"
+                return (
+                    f"columns {first} to {last} look like a quaternion behind x, y, z; {_say(x, y)}"
+                )
             return ""
     return ""
 
@@ -200,9 +206,7 @@ def _parameter(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     return ""
 
 
-def _heading_fits(
-    numbers: Sequence[Array | None], able: Sequence[int], x: Array, y: Array
-) -> bool:
+def _heading_fits(numbers: Sequence[Array | None], able: Sequence[int], x: Array, y: Array) -> bool:
     """Whether some other column is the direction of the steps (rad or degrees)."""
     direction = np.arctan2(np.diff(y), np.diff(x))
     for n in able[2:]:

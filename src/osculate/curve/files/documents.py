@@ -1,7 +1,8 @@
 """JSON and YAML as plain data, strictly: no number that programs read differently, everything bounded.
 
-YAML's plain scalars become a float only if they are a decimal number; ``010``, ``1:30``, ``0x1F``, ``1_000``
-and ``yes`` stay text, which is no coordinate. Keys stay text. libyaml's parser is used where it is there.
+YAML's plain scalars become a float only if they are a decimal number; ``010``, ``1:30``, ``0x1F``,
+``1_000`` and ``yes`` stay text, which is no coordinate. Keys stay text. libyaml's parser is used where
+it is there.
 """
 
 import json
@@ -81,7 +82,9 @@ def load_yaml(text: str, label: str, on_progress: Callable[[float], None]) -> li
 
     loader: Any = getattr(yaml, "CLoader", yaml.Loader)
     try:
-        return _Builder(label, max(len(text), 1), on_progress).build(yaml.parse(text, Loader=loader))
+        return _Builder(label, max(len(text), 1), on_progress).build(
+            yaml.parse(text, Loader=loader)
+        )
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"line {mark.line + 1}" if mark else ""

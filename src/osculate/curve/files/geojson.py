@@ -34,7 +34,9 @@ def read_geojson(document: Mapping[str, Any], label: str, wishes: Wishes) -> Fou
         InvalidInput: No line, several (says how many), or a coordinate that is no number.
     """
     geometries = list(_geometries(document))
-    lines, rings, singles = [], [], []
+    lines: list[Any] = []
+    rings: list[Any] = []
+    singles: list[Any] = []
     for geometry in geometries:
         kind, inside = geometry.get("type"), geometry.get("coordinates")
         if not isinstance(inside, list):
@@ -44,20 +46,20 @@ def read_geojson(document: Mapping[str, Any], label: str, wishes: Wishes) -> Fou
         elif kind == "MultiLineString":
             lines += inside
         elif kind in ("Polygon", "MultiPolygon"):
-            rings += [polygon[:1] for polygon in (inside if kind[0] == "M" else [inside]) if polygon]
+            rings += [
+                polygon[:1] for polygon in (inside if kind[0] == "M" else [inside]) if polygon
+            ]
         elif kind in ("Point", "MultiPoint"):
             singles += inside if kind == "MultiPoint" else [inside]
     chosen, kind, warnings = _one(lines, [r[0] for r in rings], singles, label, wishes)
     points = of_points(chosen, label, "coordinate")
-    rows = (("geometry", f"{kind} with {len(points)} coordinates"),)
+    rows: tuple[tuple[str, str], ...] = (("geometry", f"{kind} with {len(points)} coordinates"),)
     ring = (True, "it is a polygon") if kind == "Polygon" else None
     written = "GeoJSON"
     if _in_degrees(points, document):
         flat, origin = project(points[:, 0], points[:, 1], lambda n: f"coordinate {n}", label)
         rows = (*rows, ("origin", origin))
-        return Found(
-            written, flat, None, rows, "degrees, projected to m", ring, warnings=warnings
-        )
+        return Found(written, flat, None, rows, "degrees, projected to m", ring, warnings=warnings)
     said = "GeoJSON is in degrees by its norm; these are taken as metres"
     if _crs(document):
         said = f"the coordinates are taken as metres of {_crs(document)}"

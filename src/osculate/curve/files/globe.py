@@ -27,13 +27,16 @@ def project(
         wrong = np.abs(degrees) > limit
         if wrong.any():
             n = int(wrong.argmax())
-            raise refuse(label, f"its {name} is {degrees[n]:g}, must be within ±{limit:g}", where(n))
+            raise refuse(
+                label, f"its {name} is {degrees[n]:g}, must be within ±{limit:g}", where(n)
+            )
     from pyproj import Transformer
 
     lat, lon = float(latitude[0]), float(longitude[0])
     plane = f"+proj=tmerc +lat_0={lat:.12f} +lon_0={lon:.12f} +ellps=WGS84 +units=m"
     points = np.stack(
-        Transformer.from_crs("EPSG:4326", plane, always_xy=True).transform(longitude, latitude), axis=1
+        Transformer.from_crs("EPSG:4326", plane, always_xy=True).transform(longitude, latitude),
+        axis=1,
     )
     if not np.isfinite(points).all() or np.abs(points).max() > WIDEST:
         raise refuse(label, "its places lie too far apart for one plane (500 km)")

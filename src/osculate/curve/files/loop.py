@@ -1,6 +1,6 @@
 """Open or closed, and why; laps that run on past their start."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -59,7 +59,8 @@ def closure(points: Array, wish: bool | None) -> Closure:
     last = int(where[-1])
     kept = last if ring.same else count
     steps = f"{ring.gap:.3g} m apart ({ring.gap / ring.step:.2g} steps)"
-    turns = f"the heading turns by {np.degrees(ring.join):.3g}° there ({np.degrees(ring.turn):.3g}° is usual)"
+    join, usual = np.degrees((ring.join, ring.turn))
+    turns = f"the heading turns by {join:.3g}° there ({usual:.3g}° is usual)"
     near = ring.same or (len(where) >= FEW and ring.gap <= GAP * ring.step)
     if near and ring.smooth:
         return Closure(True, f"its ends are {steps} and {turns}", kept)
@@ -138,7 +139,7 @@ def _on_beginning(points: Array, at: int, arc: Array, beyond: float, ring: _Ring
     return bool(apart.max() <= (BESIDE + 1.0 / 16.0) * ring.step)
 
 
-def _cut(overrun: _Overrun, where: Array, count: int, wish: bool | None) -> Closure:
+def _cut(overrun: _Overrun, where: Any, count: int, wish: bool | None) -> Closure:
     if not overrun.follows:
         if wish:
             return Closure(True, "as told (--loop)", count)
@@ -149,5 +150,7 @@ def _cut(overrun: _Overrun, where: Array, count: int, wish: bool | None) -> Clos
         return Closure(False, why, count)
     last = int(where[overrun.last])
     why = f"its end runs {overrun.beyond:.3g} m past its start"
-    said = f"{count - last - 1} points at the end, {overrun.beyond:.3g} m past the start, are left out"
+    said = (
+        f"{count - last - 1} points at the end, {overrun.beyond:.3g} m past the start, are left out"
+    )
     return Closure(True, why, last + 1, (said,))

@@ -1,9 +1,9 @@
 """XML: GPX tracks and routes, KML lines, OpenDRIVE roads. No document types, no entities."""
 
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -25,10 +25,12 @@ def read_markup(text: str, label: str, wishes: Wishes) -> Found:
     forbidden = _FORBIDDEN.search(text)
     if forbidden:
         line = text[: forbidden.start()].count("\n") + 1
-        raise refuse(label, "is XML with a document type or entities, which are not read", f"line {line}")
+        raise refuse(
+            label, "is XML with a document type or entities, which are not read", f"line {line}"
+        )
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314  (neither document types nor entities)
-    except (ElementTree.ParseError, ValueError) as error:
+        root = ET.fromstring(text)
+    except (ET.ParseError, ValueError) as error:
         raise refuse(label, f"is not valid XML: {error}") from None
     kind = tag(root)
     if kind == "OpenDRIVE":
@@ -40,21 +42,21 @@ def read_markup(text: str, label: str, wishes: Wishes) -> Found:
     raise refuse(label, f"is XML with the root <{kind}>; GPX, KML and OpenDRIVE are read")
 
 
-def tag(element: ElementTree.Element) -> str:
+def tag(element: ET.Element) -> str:
     """The name of an element without its namespace."""
     return str(element.tag).rpartition("}")[2]
 
 
-def _all(element: ElementTree.Element, *names: str) -> Iterator[ElementTree.Element]:
+def _all(element: ET.Element, *names: str) -> Iterator[ET.Element]:
     return (inner for inner in element.iter() if tag(inner) in names)
 
 
-def _name(element: ElementTree.Element, other: str) -> str:
+def _name(element: ET.Element, other: str) -> str:
     own = next((inner.text for inner in element if tag(inner) == "name" and inner.text), "")
     return own.strip() or other
 
 
-def _gpx(root: ElementTree.Element) -> Iterator[Line]:
+def _gpx(root: ET.Element) -> Iterator[Line]:
     """Tracks and routes; if there are none, the waypoints."""
     number, points = 0, []
     for line in _all(root, "trk", "rte"):
@@ -68,7 +70,7 @@ def _gpx(root: ElementTree.Element) -> Iterator[Line]:
             yield "waypoints", points
 
 
-def _kml(root: ElementTree.Element) -> Iterator[Line]:
+def _kml(root: ET.Element) -> Iterator[Line]:
     number = 0
     for place in _all(root, "Placemark"):
         for line in _all(place, "LineString", "LinearRing"):

@@ -140,7 +140,9 @@ def _found(
         if not full:
             raise refuse(label, f"every message of {topic.name} is an empty path")
         if len(full) > 1:
-            said = f"{len(full)} messages hold a path; the last one is read ({len(full[-1])} points)"
+            said = (
+                f"{len(full)} messages hold a path; the last one is read ({len(full[-1])} points)"
+            )
             warnings = (*warnings, said)
         places = [pose.pose.position for pose in full[-1]]
         points = np.array([(p.x, p.y) for p in places])
@@ -158,7 +160,19 @@ def _found(
     given = np.array(speeds) if speeds else None
     name = "twist.twist.linear.x" if speeds else ""
     return _finite(
-        Found("MCAP", points, None, rows, "m", None, given, name, range(len(points)), "message", warnings),
+        Found(
+            "MCAP",
+            points,
+            None,
+            rows,
+            "m",
+            None,
+            given,
+            name,
+            range(len(points)),
+            "message",
+            warnings,
+        ),
         label,
     )
 

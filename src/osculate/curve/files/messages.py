@@ -1,31 +1,22 @@
 """Points in JSON and YAML: ROS messages, lists of waypoints, columns, tables with named or bare rows."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+from osculate.curve.files.candidates import (
+    CUT,
+    PREFERRED,
+    Candidate,
+    Path,
+    candidates,
+    is_record,
+    leaves,
+)
 from osculate.curve.files.columns import Columns, as_column, by_content, by_name, wished
 from osculate.curve.files.found import Array, Found, Wishes, refuse
-from osculate.curve.files.names import PLACE, globe, parse_name, positions
 from osculate.curve.files.numbers import number
 from osculate.curve.files.track import of_points, track
-
-CUT = "..."  # what `ros2 topic echo` prints instead of the rest of a long list
-DEEP = 6  # levels of a record
-PREFERRED = (
-    "path", "poses", "waypoints", "points", "trajectory", "route", "centerline", "center_line",
-    "raceline", "coordinates",
-)  # fmt: skip
-Path = tuple[str | int, ...]
-
-
-class Candidate(NamedTuple):
-    """Something in a document that may be the path."""
-
-    key: str  # the keys that lead to it, without numbers
-    kind: str  # "records", "rows" or "columns"
-    data: Any
-    empty: bool = False
 
 
 def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written: str) -> Found:
@@ -34,8 +25,8 @@ def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written:
     Raises:
         InvalidInput: None, several of equal right, cut, or a value that is no number (says which one).
     """
-    found = [c for document in documents for c in _candidates(document, "", label)]
-    loose = [document for document in documents if _is_record(document)]
+    found = [c for document in documents for c in candidates(document, "", label)]
+    loose = [document for document in documents if is_record(document)]
     if not any(not c.empty for c in found) and loose:
         return _records(Candidate("", "records", loose), label, wishes, written, "message")
     if found and all(c.key.endswith("transforms") for c in found):
@@ -61,74 +52,6 @@ def _what_it_is(documents: Sequence[Any]) -> str:
         f"it has the keys {shown}; must be a VDA 5050 order, a nav_msgs/Path or a list of points "
         "with x and y"
     )
-
-
-def _candidates(node: Any, key: str, label: str) -> Iterator[Candidate]:
-    if isinstance(node, Mapping):
-        lists = [name for name, value in node.items() if _is_list_of_numbers(value)]
-        names = [parse_name(name) for name in lists]
-        if positions(names) or globe(names):
-            yield Candidate(key, "columns", {name: node[name] for name in lists})
-            return
-        values = list(node.values())
-        if len(values) > 1 and all(map(_is_record, values)) and not _is_record(node):
-            yield Candidate(key, "records", values)
-            return
-        for name, value in node.items():
-            yield from _candidates(value, f"{key}.{name}" if key else str(name), label)
-    elif isinstance(node, list):
-        yield from _in_list(node, key, label)
-
-
-def _in_list(node: list[Any], key: str, label: str) -> Iterator[Candidate]:
-    if CUT in [item for item in node if isinstance(item, str)]:
-        raise refuse(
-            label, f"the list {key or 'in it'} was cut ({CUT!r}); record it again with "
-            "`ros2 topic echo --full-length`",
-        )  # fmt: skip
-    if not node:
-        if key.rpartition(".")[2] in PREFERRED:
-            yield Candidate(key, "records", [], empty=True)
-    elif _is_record(node[0]):
-        yield Candidate(key, "records", node)
-    elif _is_list_of_numbers(node[0]):
-        yield Candidate(key, "rows", node)
-    else:
-        for item in node:
-            if isinstance(item, (Mapping, list)):
-                yield from _candidates(item, key, label)
-
-
-def _is_list_of_numbers(value: Any) -> bool:
-    return (
-        isinstance(value, list) and len(value) > 1 and isinstance(value[0], (int, float, str))
-        and any(isinstance(v, (int, float)) and not isinstance(v, bool) for v in value[:3])
-    )  # fmt: skip
-
-
-def _is_record(value: Any) -> bool:
-    """Whether a mapping has a position in it."""
-    if not isinstance(value, Mapping):
-        return False
-    names = [parse_name(name) for name in leaves(value)]
-    return bool(positions(names) or globe(names))
-
-
-def leaves(record: Mapping[str, Any], depth: int = DEEP) -> dict[str, Path]:
-    """Dotted names of the values in a record and the way to each; ``position: [1, 2]`` is x and y."""
-    found: dict[str, Path] = {}
-    for key, value in record.items():
-        if isinstance(value, Mapping):
-            if depth:
-                inner = leaves(value, depth - 1)
-                found |= {f"{key}.{name}": (key, *way) for name, way in inner.items()}
-        elif isinstance(value, list):
-            words = parse_name(key).words
-            if 2 <= len(value) <= 4 and words and words[-1] in PLACE | {"xy", "xyz"}:
-                found |= {f"{key}.{axis}": (key, n) for n, axis in enumerate("xyzw"[: len(value)])}
-        else:
-            found[key] = (key,)
-    return found
 
 
 def _choose(
@@ -192,7 +115,8 @@ def _all(values: Sequence[Any], name: str, label: str) -> list[float]:
             numbers.append(number(value))
         except ValueError as error:
             if value == CUT:
-                error = ValueError("was cut; record it again with `ros2 topic echo --full-length`")
+                said = "was cut; record it again with `ros2 topic echo --full-length`"
+                raise refuse(label, f"its {name} {said}", f"point {n}") from None
             raise refuse(label, f"its {name} {error}", f"point {n}") from None
     return numbers
 
@@ -208,14 +132,18 @@ def _rows(
             count = len(row) if isinstance(row, list) else "no"
             raise refuse(label, f"has {count} numbers, point 0 has {width}", f"point {n}")
     if len(rows) == 2 and width > 4:
-        raise refuse(label, f"holds two lists of {width} numbers; write {{x: […], y: […]}} or pairs")
+        raise refuse(
+            label, f"holds two lists of {width} numbers; write {{x: […], y: […]}} or pairs"
+        )
     if wishes.columns is not None:
         columns = Columns(*wished(wishes.columns, width, label))
     elif width == 2:
         columns = Columns(0, 1)
     else:
         of_points(rows, label, "point")  # says which one is no number
-        numbers: list[Array | None] = [as_column(number, [r[n] for r in rows]) for n in range(width)]
+        numbers: list[Array | None] = [
+            as_column(number, [r[n] for r in rows]) for n in range(width)
+        ]
         columns = by_content(numbers, label)
     pair = [[row[columns.x], row[columns.y]] for row in rows]
     points = of_points(pair, label, "point")
@@ -286,9 +214,7 @@ def _message(chosen: Candidate, names: Sequence[str]) -> str:
     return "geometry_msgs/TransformStamped" if "transform.translation" in held else ""
 
 
-def _transforms(
-    found: Sequence[Candidate], label: str, wishes: Wishes, written: str
-) -> Found:
+def _transforms(found: Sequence[Candidate], label: str, wishes: Wishes, written: str) -> Found:
     """tf2_msgs/TFMessage: the way of one frame."""
     every = [record for c in found for record in c.data if isinstance(record, Mapping)]
     frames = sorted({str(record.get("child_frame_id", "")) for record in every})

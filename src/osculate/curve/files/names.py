@@ -21,19 +21,25 @@ SPEEDS = {
 ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0, "rad": 57.29577951308232}
 OTHERS = {"s", "ms", "us", "ns", "sec", "1/m", "m/s^2", "m/s²", "mps2", "radpm", "-", "1", "rad/s"}
 PIXELS = {"px", "pixel", "pixels", "pix"}
+MOST = 64  # names that are tried as x or y: more say nothing
 UNITS = {*LENGTHS, *SPEEDS, *ANGLES, *OTHERS}
 
-PLACE = frozenset(
-    "pos position positions p t c ref reference center centre centerline coord coordinate coordinates"
-    " map utm world local global odom odometry path point points waypoint waypoints wp pose target"
-    " desired des robot vehicle car ego raceline racetraj track trajectory traj translation trans loc"
-    " location act actual meas measured est estimated gt true node field msg data opt smooth route base rear axle value gps enu".split()
-)
-FORBIDDEN = frozenset(
-    "orientation quaternion quat rotation rot linear angular twist velocity vel acceleration accel acc"
-    " force torque covariance cov std sigma var variance error err normal normvec tangent direction"
-    " dir size offset gyro imu header stamp left right inner outer bound boundary wheel color".split()
-)
+PLACE = {
+    "pos", "position", "positions", "p", "t", "c", "ref", "reference", "center", "centre",
+    "centerline", "coord", "coordinate", "coordinates", "map", "utm", "world", "local",
+    "global", "odom", "odometry", "path", "point", "points", "waypoint", "waypoints", "wp",
+    "pose", "target", "desired", "des", "robot", "vehicle", "car", "ego", "raceline",
+    "racetraj", "track", "trajectory", "traj", "translation", "trans", "loc", "location", "act",
+    "actual", "meas", "measured", "est", "estimated", "gt", "true", "node", "field", "msg",
+    "data", "opt", "smooth", "route", "base", "rear", "axle", "value", "gps", "enu",
+}  # fmt: skip
+FORBIDDEN = {
+    "orientation", "quaternion", "quat", "rotation", "rot", "linear", "angular", "twist",
+    "velocity", "vel", "acceleration", "accel", "acc", "force", "torque", "covariance", "cov",
+    "std", "sigma", "var", "variance", "error", "err", "normal", "normvec", "tangent",
+    "direction", "dir", "size", "offset", "gyro", "imu", "header", "stamp", "left", "right",
+    "inner", "outer", "bound", "boundary", "wheel", "color",
+}  # fmt: skip
 _NEAR = "|".join(sorted((w for w in PLACE if len(w) <= 10), key=len, reverse=True))
 _MERGED = re.compile(rf"(?:({_NEAR})([xy])|([xy])(s|{_NEAR}))")
 _SPEED_WORDS = {"v", "vx", "speed", "velocity", "vel", "mps", "kmh", "kph"}
@@ -125,7 +131,7 @@ def _letter(word: str) -> tuple[str, str]:
 
 def positions(names: Sequence[Name]) -> list[tuple[int, int]]:
     """Pairs (x, y) of the surest kind that is there; more than one means that nobody can tell."""
-    axes = [(n, axis) for n, axis in enumerate(map(axis_of, names)) if axis]
+    axes = [(n, axis) for n, axis in enumerate(map(axis_of, names)) if axis][:MOST]
     pairs = [
         (a.rank, n, m)
         for n, a in axes
@@ -134,9 +140,10 @@ def positions(names: Sequence[Name]) -> list[tuple[int, int]]:
     ]
     best = min((rank for rank, *_ in pairs), default=0)
     chosen = [(n, m) for rank, n, m in pairs if rank == best]
-    for better in (lambda n, m: names[n].unit == names[m].unit, lambda n, m: not pixels(names, n)):
-        if len(chosen) > 1:
-            chosen = [pair for pair in chosen if better(*pair)] or chosen
+    if len(chosen) > 1:
+        chosen = [(n, m) for n, m in chosen if names[n].unit == names[m].unit] or chosen
+    if len(chosen) > 1:
+        chosen = [(n, m) for n, m in chosen if not pixels(names, n)] or chosen
     return chosen
 
 
@@ -148,7 +155,9 @@ def pixels(names: Sequence[Name], column: int) -> bool:
 def globe(names: Sequence[Name]) -> list[tuple[int, int]]:
     """Pairs (longitude, latitude)."""
     which = {
-        axis: [n for n, name in enumerate(names) if axis in {GLOBE.get(w) for w in name.words}]
+        axis: [n for n, name in enumerate(names) if axis in {GLOBE.get(w) for w in name.words}][
+            :MOST
+        ]
         for axis in ("lon", "lat")
     }
     return [

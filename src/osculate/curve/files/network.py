@@ -43,7 +43,7 @@ def chained(
     if take and take not in types:
         raise refuse(label, f"has no vehicle type {take!r}; it has {', '.join(types)}")
     chosen = take or next((kind for edge in ordered for kind in _types(edge)), "")
-    warnings = ()
+    warnings: tuple[str, ...] = ()
     if len(types) > 1 and not take:
         others = ", ".join(kind for kind in types if kind != chosen)
         warnings = (f"the vehicle type {chosen} is read; {others} are there too (--take TYPE)",)
@@ -64,7 +64,12 @@ def _made(edge: Mapping[str, Any], kind: str, label: str) -> Made:
     if types and kind not in types:
         raise refuse(label, f"is not for the vehicle type {kind}", f"edge {name}")
     owner = types.get(kind, edge)
-    return name, str(edge.get("startNodeId")), str(edge.get("endNodeId")), trajectory_of(owner, label)
+    return (
+        name,
+        str(edge.get("startNodeId")),
+        str(edge.get("endNodeId")),
+        trajectory_of(owner, label),
+    )
 
 
 def _way(edges: Sequence[Mapping[str, Any]], label: str) -> list[Mapping[str, Any]]:

@@ -23,6 +23,15 @@ def decimal(cell: str) -> float:
     return value
 
 
+def is_number(cell: str) -> bool:
+    """Whether a cell of a table is a decimal number."""
+    try:
+        decimal(cell)
+    except ValueError:
+        return False
+    return True
+
+
 def explain_number(cell: Any) -> str:
     """Why something is no number."""
     text = str(cell)

@@ -1,6 +1,7 @@
 """The reference line of an OpenDRIVE road: its planView of lines, arcs, spirals and cubic pieces."""
 
 from collections.abc import Callable
+from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -59,9 +60,7 @@ def _value(element: Element, name: str, label: str, where: str) -> float:
         raise refuse(label, f"its {name} is {text!r}, no number", where) from None
 
 
-def _piece(
-    geometry: Element, label: str, where: str
-) -> Curve | Callable[[Array], tuple[Array, Array]]:
+def _piece(geometry: Element, label: str, where: str) -> Curve | Callable[[Array], tuple[Any, Any]]:
     """A line or a spiral, or for a cubic piece the function from its parameter to its own x and y."""
     x, y, heading, length = (_value(geometry, n, label, where) for n in ("x", "y", "hdg", "length"))
     if not length > 0.0:
@@ -86,7 +85,9 @@ def _piece(
     if kind == "poly3":
         v = [_value(shape, letter, label, where) for letter in "abcd"]
         return lambda p: (p * length, np.polyval(v[::-1], p * length))
-    raise refuse(label, f"has the shape {kind}; line, arc, spiral, paramPoly3 and poly3 are read", where)
+    raise refuse(
+        label, f"has the shape {kind}; line, arc, spiral, paramPoly3 and poly3 are read", where
+    )
 
 
 def _scaled(curve: Curve, scale: float) -> Curve:
@@ -108,7 +109,7 @@ def _moved(start: Pose, scale: float) -> Pose:
 
 def _sampled(geometries: list[Element], label: str) -> Array:
     """Points along all pieces, shape (n, 2)."""
-    parts = []
+    parts: list[Array] = []
     for n, geometry in enumerate(geometries):
         made = _piece(geometry, label, f"geometry {n}")
         length = float(geometry.get("length", "0"))
@@ -117,14 +118,14 @@ def _sampled(geometries: list[Element], label: str) -> Array:
             point = made.at(p * length)
             place = np.stack([point.x, point.y], axis=1)
         else:
-            x, y, heading = (
-                _value(geometry, k, label, f"geometry {n}") for k in ("x", "y", "hdg")
-            )
+            x, y, heading = (_value(geometry, k, label, f"geometry {n}") for k in ("x", "y", "hdg"))
             u, v = made(p)
             cosine, sine = np.cos(heading), np.sin(heading)
             place = np.stack([x + u * cosine - v * sine, y + u * sine + v * cosine], axis=1)
         if parts and np.hypot(*(place[0] - parts[-1][-1])) > 0.01:
             gap = np.hypot(*(place[0] - parts[-1][-1]))
-            raise refuse(label, f"begins {gap:.4g} m beside the end of the one before", f"geometry {n}")
+            raise refuse(
+                label, f"begins {gap:.4g} m beside the end of the one before", f"geometry {n}"
+            )
         parts.append(place[bool(parts) :])
     return np.concatenate(parts)

@@ -1,4 +1,4 @@
-"""Exact pieces one after the other: joined where they are smooth, rounded if the user allows a tolerance."""
+"""Exact pieces one after the other: joined where they are smooth, rounded within a tolerance."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -78,7 +78,7 @@ def _check(before: Piece, after: Piece, place: float, label: str, *, rounded: bo
 
 def _points(pieces: Sequence[Piece], wishes: Wishes) -> Array:
     """Points along all pieces (before the scale), shape (n, 2)."""
-    parts = []
+    parts: list[Array] = []
     for piece in pieces:
         step = max(wishes.tolerance, piece.curve.length / FINEST)
         count = max(4, int(np.ceil(piece.curve.length / step)))

@@ -47,7 +47,10 @@ class Reading:
         rows = [("format", self.format), *self.found.rows]
         if self.points is not None:
             rows.append(("points", str(len(self.points))))
-        rows += [("units", self.found.units), ("ends", f"{'closed' if self.closed else 'open'}: {self.why}")]
+        rows += [
+            ("units", self.found.units),
+            ("ends", f"{'closed' if self.closed else 'open'}: {self.why}"),
+        ]
         return rows
 
 
@@ -140,9 +143,7 @@ def _structured(documents: list[Any], label: str, wishes: Wishes, written: str) 
     return read_messages(documents, label, wishes, written)
 
 
-def _reading(
-    found: Found, label: str, wishes: Wishes, report: Callable[[float], None]
-) -> Reading:
+def _reading(found: Found, label: str, wishes: Wishes, report: Callable[[float], None]) -> Reading:
     report(_SHARES[0])
     if found.points is None:
         curve = found.curve
@@ -160,7 +161,10 @@ def _reading(
     points = points[:kept]
     speeds = None if found.speeds is None else found.speeds[:kept]
     check_reversal(points, found, label, wishes.tolerance)
-    said = (*(f"{label}: {text}" for text in (*found.warnings, *more)), *doubts(points, found, label))
+    said = (
+        *(f"{label}: {text}" for text in (*found.warnings, *more)),
+        *doubts(points, found, label),
+    )
     report(_SHARES[1])
     curve = _spline(points, label, closed, wishes.tolerance)
     return Reading(label, found.format, curve, found, points, speeds, closed, why, said)

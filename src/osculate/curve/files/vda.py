@@ -5,16 +5,17 @@ is the straight line between its nodes. Sources: VDA 5050 2.1 and 3.0, LIF 1.0.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
-from osculate.curve.contract import Curve
+import numpy as np
+
 from osculate.curve.files.found import Found, Wishes, refuse
 from osculate.curve.files.network import chained, trajectory_of
 from osculate.curve.files.numbers import number
 from osculate.curve.files.pieces import Piece, joined
+from osculate.curve.files.trajectory import nurbs
 from osculate.curve.segments import Line
-from osculate.curve.spline import Nurbs
-from osculate.errors import InvalidInput
 
 BESIDE = 0.01  # m, an edge that ends further from its node is named
 Node = Mapping[str, Any]
@@ -40,7 +41,9 @@ def _find(node: Any) -> Iterator[Mapping[str, Any]]:
             yield node
             return
         edges = node.get("edges")
-        if isinstance(edges, list) and (isinstance(node.get("nodes"), list) or _has_trajectory(edges)):
+        if isinstance(edges, list) and (
+            isinstance(node.get("nodes"), list) or _has_trajectory(edges)
+        ):
             yield node
             return
         node = list(node.values())
@@ -67,7 +70,8 @@ def read_vda(found: Sequence[Mapping[str, Any]], label: str, wishes: Wishes) -> 
     item = found[-1]
     if "controlPoints" in item:
         curve = nurbs(item, label, wishes.scale)
-        rows = (("trajectory", _shape(curve)),)
+        shape = f"NURBS of degree {curve.degree} with {len(curve.points)} control points"
+        rows = (("trajectory", shape),)
         return Found("VDA 5050 trajectory", None, curve, rows, warnings=warnings)
     if "layouts" in item:
         edges, nodes, more = chained(item["layouts"], label, wishes)
@@ -87,17 +91,20 @@ def _order(
         raise refuse(label, "the order has no edges; a path needs one at least")
     warnings = []
     numbers = [_sequence(edge, n, label) for n, edge in enumerate(edges)]
-    if None not in numbers:
-        if len(set(numbers)) < len(numbers):
+    known = [value for value in numbers if value is not None]
+    if len(known) == len(edges):
+        if len(set(known)) < len(known):
             raise refuse(label, "two edges have the same sequenceId")
-        edges = [edge for _, edge in sorted(zip(numbers, edges, strict=True), key=lambda pair: pair[0])]
+        edges = [edges[n] for n in sorted(range(len(edges)), key=known.__getitem__)]
     elif len(edges) > 1:
         warnings.append("not every edge has a sequenceId; the order of the file is taken")
     horizon = sum(str(edge.get("released", True)).lower() == "false" for edge in edges)
     if horizon:
         warnings.append(f"{horizon} of {len(edges)} edges are not released yet (the horizon)")
     nodes = {
-        str(node.get("nodeId")): node for node in order.get("nodes") or () if isinstance(node, Mapping)
+        str(node.get("nodeId")): node
+        for node in order.get("nodes") or ()
+        if isinstance(node, Mapping)
     }
     made = [
         Edge(
@@ -123,10 +130,12 @@ def _driven(
     warnings: tuple[str, ...],
 ) -> Found:  # fmt: skip
     """The curve along the edges."""
-    for before, after in zip(edges[:-1], edges[1:], strict=True):
+    for before, after in pairwise(edges):
         if before.end and after.start and before.end != after.start:
-            message = f"edge {after.name} starts at node {after.start}, edge {before.name} ended at {before.end}"
-            raise refuse(label, message)
+            raise refuse(
+                label, f"edge {before.name} ends at node {before.end}, edge {after.name} starts at node "
+                f"{after.start}",
+            )  # fmt: skip
     straight = [edge.trajectory is None for edge in edges]
     names = ", ".join(edge.name for edge in edges[:8]) + (" …" if len(edges) > 8 else "")
     rows = (
@@ -134,12 +143,10 @@ def _driven(
         ("trajectories", f"{len(edges) - sum(straight)} NURBS, {sum(straight)} straight"),
     )
     if all(straight) and len(edges) > 1:
-        import numpy as np
-
         way = [edges[0].start, *(edge.end for edge in edges)]
-        points = np.array([place(name, nodes, label) for name in way])
+        through = np.array([place(name, nodes, label) for name in way])
         said = f"the edges have no trajectories; the curve goes through the {len(way)} nodes"
-        return Found(kind, points, None, rows, place="node", warnings=(*warnings, said))
+        return Found(kind, through, None, rows, place="node", warnings=(*warnings, said))
     pieces, more = [], []
     for edge in edges:
         piece = _piece(edge, nodes, label, wishes.scale)
@@ -195,62 +202,3 @@ def place(node: str, nodes: Mapping[str, Node], label: str) -> tuple[float, floa
         raise refuse(label, f"its position has no {error}", f"node {node!r}") from None
     except ValueError as error:
         raise refuse(label, f"its position {error}", f"node {node!r}") from None
-
-
-def nurbs(trajectory: Mapping[str, Any], label: str, scale: float) -> Nurbs:
-    """The NURBS of a trajectory, with the norm's defaults.
-
-    Raises:
-        InvalidInput: A value that is no number, a degree that is not whole, or what `Nurbs` refuses.
-    """
-    control = trajectory.get("controlPoints")
-    if not isinstance(control, list) or len(control) < 2:
-        raise refuse(label, "its trajectory needs at least two controlPoints")
-    try:
-        points, weights = zip(*(_control(point, n) for n, point in enumerate(control)), strict=True)
-        degree = _degree(trajectory.get("degree"), len(points))
-        given = trajectory.get("knotVector")
-        if given is not None and not isinstance(given, list):
-            raise ValueError("its knotVector must be a list of numbers")
-        knots = [number(knot) for knot in given] if given else clamped(len(points), degree)
-    except InvalidInput:
-        raise
-    except ValueError as error:
-        raise refuse(label, f"its trajectory cannot be read: {error}") from None
-    scaled = tuple((scale * x, scale * y) for x, y in points)
-    try:
-        return Nurbs(degree=degree, knots=tuple(knots), points=scaled, weights=weights)
-    except InvalidInput as error:
-        raise InvalidInput("path", label, f"its trajectory: {error}") from None
-
-
-def _control(point: Any, n: int) -> tuple[tuple[float, float], float]:
-    if not isinstance(point, Mapping) or "x" not in point or "y" not in point:
-        raise ValueError(f"control point {n} needs x and y")
-    values = []
-    for key in ("x", "y", "weight"):
-        try:
-            values.append(number(point.get(key, 1.0)))
-        except ValueError as error:
-            raise ValueError(f"{key} of control point {n} {error}") from None
-    return (values[0], values[1]), values[2]
-
-
-def _degree(given: Any, count: int) -> int:
-    degree = 1.0 if given is None else number(given)
-    if degree != int(degree):
-        raise ValueError(f"its degree is {degree:g}, must be a whole number")
-    if not 1 <= degree < count:
-        raise ValueError(f"its degree is {degree:g}, must be from 1 to {count - 1} (points − 1)")
-    return int(degree)
-
-
-def clamped(count: int, degree: int) -> list[float]:
-    """Uniform knots that are clamped at both ends, for ``count`` control points."""
-    spans = count - degree
-    return [0.0] * degree + [n / spans for n in range(spans + 1)] + [1.0] * degree
-
-
-def _shape(curve: Curve) -> str:
-    assert isinstance(curve, Nurbs)
-    return f"NURBS of degree {curve.degree} with {len(curve.points)} control points"
