@@ -46,6 +46,7 @@ def by_name(header: Sequence[str], wish: Choice | None, label: str, scale: float
         raise refuse(label, _no_pair(names, pairs))
     x, y = pairs[0]
     speed = nm.speed_of(names)
+    speed = None if speed in (x, y) else speed
     if nm.pixels(names, x) and scale == 1.0:
         raise refuse(label, f"{header[x].strip()} counts pixels; give the metres of one as scale")
     units = nm.ANGLES if geographic else nm.LENGTHS
@@ -126,7 +127,7 @@ def by_content(numbers: Sequence[Array | None], label: str) -> Columns:
                 label, f"column {x + 1} looks like a time, and there is one other: no path"
             )
         return Columns(x, y, units="m (no header)")
-    for looks in (_quaternion, _matrices, _parameter, _constant):
+    for looks in (_matrices, _quaternion, _parameter, _constant):
         problem = looks(numbers, able)
         if problem:
             raise refuse(label, problem)

@@ -25,10 +25,10 @@ def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written:
     Raises:
         InvalidInput: None, several of equal right, cut, or a value that is no number (says which one).
     """
-    found = [c for document in documents for c in candidates(document, "", label)]
-    loose = [document for document in documents if is_record(document)]
-    if not any(not c.empty for c in found) and loose:
-        return _records(Candidate("", "records", loose), label, wishes, written, "message")
+    every = [list(candidates(document, "", label)) for document in documents]
+    found = [c for some in every for c in some]
+    if all(c.empty for c in found) and any(map(is_record, documents)):
+        return _one_each(documents, label, wishes, written)
     if found and all(c.key.endswith("transforms") for c in found):
         return _transforms(found, label, wishes, written)
     full = [c for c in found if not c.empty]
@@ -36,11 +36,23 @@ def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written:
         what = f"the list {found[0].key} in it is empty" if found else _what_it_is(documents)
         raise refuse(label, f"holds no points: {what}")
     chosen, warnings = _choose(full, label, wishes)
+    without = [n for n, some in enumerate(every) if not some]
+    if without:
+        said = f"{len(without)} of {len(every)} documents hold no path, number {without[0]} the first"
+        warnings = (*warnings, said)
     if chosen.kind == "columns":
         return _columns(chosen, label, wishes, written, warnings)
     if chosen.kind == "rows":
         return _rows(chosen, label, wishes, written, warnings)
     return _records(chosen, label, wishes, written, "point", warnings)
+
+
+def _one_each(documents: Sequence[Any], label: str, wishes: Wishes, written: str) -> Found:
+    """One message a document, each with a position."""
+    for n, document in enumerate(documents):
+        if not is_record(document):
+            raise refuse(label, "has no position, others have; was it cut?", f"message {n}")
+    return _records(Candidate("", "records", documents), label, wishes, written, "message")
 
 
 def _what_it_is(documents: Sequence[Any]) -> str:

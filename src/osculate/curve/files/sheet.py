@@ -102,7 +102,12 @@ def _header(
 ) -> tuple[Cells | None, list[Row], tuple[str, ...]]:
     """The header, the rows under it, and what was left out above it."""
     if any(map(is_number, rows[0].cells)):
-        return _commented(comments, rows[0].cells, delimiter), rows, ()
+        header = _commented(comments, rows[0].cells, delimiter)
+        lost = [c for c in comments if header is None and _names_place(_split(c, delimiter))]
+        return header, rows, tuple(
+            f"the comment {c[:60]!r} names x and y, but not as many columns as there are"
+            for c in lost[:1]
+        )
     start = 0
     for n, row in enumerate(rows[:PREAMBLE]):
         if any(map(is_number, row.cells)):
@@ -139,15 +144,20 @@ def _units_only(cells: Cells) -> bool:
     )
 
 
+def _split(comment: str, sign: str) -> Cells:
+    bare = comment.lstrip("#%/ ").strip()
+    cells = [cell.strip() for cell in (bare.split() if sign == " " else bare.split(sign))]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
 def _commented(comments: Sequence[str], first: Cells, delimiter: str) -> Cells | None:
     """The last comment above the rows that has a name for each column."""
     width = len(first) - (first[-1] == "")
     for comment in reversed(comments):
-        bare = comment.lstrip("#%/ ").strip()
         for sign in (delimiter, ";", "\t", ",", " "):
-            cells = [c.strip() for c in (bare.split() if sign == " " else bare.split(sign))]
-            while cells and not cells[-1]:
-                cells.pop()
+            cells = _split(comment, sign)
             if len(cells) != width or any(map(is_number, cells)):
                 continue
             words = all(re.fullmatch(r"\S+|\S+ ?[\[(].*", cell.strip("\"'")) for cell in cells)
