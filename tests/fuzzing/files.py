@@ -94,10 +94,15 @@ def table(rng: random.Random) -> Written:
 
     def meaning(text: str) -> Points:
         bare = delimiter.strip(" ") or " "
-        lines = text.replace("\r\n", "\n").split("\n")
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         kept = [line for line in lines if line.strip() and line[0] not in "#%"]
+        if not any(map(_has_letters, kept[0].split(bare)[:2])) and not any(
+            name in line for name in names for line in lines
+        ):
+            rows = [line.split(bare) for line in kept]  # the header is gone: the first two columns
+            return [(float(row[0]), float(row[1])) for row in rows]
         if not any(map(_has_letters, kept[0].split(bare)[:2])) and places == (0, 1):
-            header = order  # what stood above is gone: the first two columns are x and y
+            header = order
         elif not mark:
             header = [c.strip() for c in next(csv.reader([kept[0]], delimiter=bare))]
             kept = kept[1:]
@@ -242,7 +247,9 @@ def damaged(rng: random.Random, written: Written) -> str:
             lines[at], lines[other] = lines[other], lines[at]
             text = written.separator.join(lines)
         else:
-            word = rng.choice(["true", "nan", "010", "1:30", "...", "~", "&a", "*a", "[", "1e999", '""'])
+            word = rng.choice(
+                ["true", "nan", "010", "1:30", "...", "~", "&a", "*a", "[", "1e999", '""']
+            )
             text = text[:place] + word + text[place + rng.randint(0, 3) :]
     return text
 
@@ -288,5 +295,3 @@ def campaign(kind: str, seeds: range, folder: Path) -> tuple[Counter[str], list[
     outcomes = [outcome(kind, seed, folder) for seed in seeds]
     bad = [o for o in outcomes if o.kind in ("wrong", "crash", "slow")]
     return Counter(o.kind for o in outcomes), bad
-
-

@@ -189,7 +189,9 @@ def test_degrees_are_projected_to_metres(tmp_path):
     reading = read_file(path)
     assert reading.points[0] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert reading.points[:, 1] == pytest.approx(WAVE[:, 1], abs=2e-3)
-    east = 1.3e-5 * 111_320.0 * math.cos(math.radians(48.0)) * 1.0025  # m per 1.3e-5°, on the ellipsoid
+    east = (
+        1.3e-5 * 111_320.0 * math.cos(math.radians(48.0)) * 1.0025
+    )  # m per 1.3e-5°, on the ellipsoid
     assert reading.points[:, 0] == pytest.approx(east * X, rel=1e-3, abs=1e-6)
     assert dict(reading.rows())["units"] == "degrees, projected to m"
     swapped = written(tmp_path, "swapped.csv", "lat,lon\n148.0,11.0\n148.1,11.0\n")

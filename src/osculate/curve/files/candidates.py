@@ -5,13 +5,17 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from osculate.curve.files.found import refuse
-from osculate.curve.files.names import PLACE, globe, parse_name, positions
+from osculate.curve.files.names import FORBIDDEN, PLACE, globe, parse_name, positions
 
 CUT = "..."  # what `ros2 topic echo` prints instead of the rest of a long list
 DEEP = 6  # levels of a record
 PREFERRED = (
     "path", "poses", "waypoints", "points", "trajectory", "route", "centerline", "center_line",
     "raceline", "coordinates",
+)  # fmt: skip
+MOTION = frozenset(
+    ("orientation", "quaternion", "rotation", "twist", "velocity", "acceleration", "linear", "angular",
+     "covariance", "force", "torque", "header", "stamp")
 )  # fmt: skip
 Path = tuple[str | int, ...]
 
@@ -41,14 +45,24 @@ def candidates(node: Any, key: str, label: str) -> Iterator[Candidate]:
         if _hold_place(tuple(lists)):
             yield Candidate(key, "columns", {name: node[name] for name in lists})
             return
-        values = list(node.values())
-        if len(values) > 1 and all(map(is_record, values)) and not is_record(node):
-            yield Candidate(key, "records", values)
+        if _named_records(node):
+            yield Candidate(key, "records", list(node.values()))
             return
         for name, value in node.items():
+            if MOTION.intersection(parse_name(name).words):
+                continue
             yield from candidates(value, f"{key}.{name}" if key else str(name), label)
     elif isinstance(node, list):
         yield from _in_list(node, key, label)
+
+
+def _named_records(node: Mapping[str, Any]) -> bool:
+    """Whether a mapping holds one point a key: ``wp0: {x, y}, wp1: {x, y}``."""
+    values = list(node.values())
+    if len(values) < 2 or not all(map(is_record, values[:3])):
+        return False
+    words = [set(parse_name(key).words) for key in node]
+    return not any(some & FORBIDDEN or some <= PLACE for some in words)
 
 
 def _in_list(node: list[Any], key: str, label: str) -> Iterator[Candidate]:

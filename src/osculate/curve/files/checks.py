@@ -10,6 +10,8 @@ HUGE = 2e4  # m, extent beyond which coordinates look like millimetres
 TINY = 0.2  # m, extent below which coordinates far from the origin look like degrees
 FAR_JUMP = 50.0  # median steps
 ROUND = ((1, 160.0), (3, 140.0), (10, 100.0))  # points to both sides, degrees between the two
+MANY = 20  # points: with fewer the sides may be shorter than that
+STRAIGHT = 0.6  # of the way: a side that wanders more is noise around a standstill
 THIN = 0.5  # of the usual step: nearer points say nothing about the direction
 
 
@@ -28,6 +30,17 @@ def check_places(points: Array, label: str) -> None:
     """
     if len(points) < 2 or not np.ptp(points, axis=0).any():
         raise refuse(label, f"must hold at least two different points, it has {len(points)}")
+
+
+def check_flat(points: Array, label: str) -> None:
+    """A loop encloses something.
+
+    Raises:
+        InvalidInput: All points lie on one line.
+    """
+    apart = points - points[0]
+    if np.linalg.matrix_rank(apart, tol=1e-9 * float(np.abs(apart).max())) < 2:
+        raise refuse(label, "all its points lie on one line: that is no loop")
 
 
 def check_reversal(points: Array, found: Found, label: str, tolerance: float) -> None:
@@ -57,15 +70,20 @@ def turning(points: Array, tolerance: float = 0.0) -> Turn | None:
     usual = float(np.percentile(steps[steps > 0.0], 75)) if steps.any() else 0.0
     kept = _thinned(points, max(THIN * usual, 2.0 * tolerance))
     thin = points[kept]
-    suspects = np.arange(1, len(thin) - 1)
-    for reach, degrees in ROUND:
-        if reach > 3 and len(thin) < 20:
-            break
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(thin, axis=0).T))])
+    edge = 1 if len(thin) < MANY else ROUND[1][0]
+    suspects = np.arange(edge, len(thin) - edge)
+    for reach, degrees in ROUND[: 2 if len(thin) < MANY else 3]:
         before = np.maximum(suspects - reach, 0)
         after = np.minimum(suspects + reach, len(thin) - 1)
         a, b = thin[suspects] - thin[before], thin[after] - thin[suspects]
         cross, dot = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1)
-        suspects = suspects[np.abs(np.arctan2(cross, dot)) > np.radians(degrees)]
+        straight = np.minimum(
+            np.hypot(*a.T) / (arc[suspects] - arc[before]),
+            np.hypot(*b.T) / (arc[after] - arc[suspects]),
+        )
+        back = np.abs(np.arctan2(cross, dot)) > np.radians(degrees)
+        suspects = suspects[back & (straight > STRAIGHT)]
     if not len(suspects):
         return None
     point = int(kept[suspects[0]])

@@ -126,7 +126,9 @@ def by_content(numbers: Sequence[Array | None], label: str) -> Columns:
             raise refuse(
                 label, f"column {x + 1} looks like a time, and there is one other: no path"
             )
-        return Columns(x, y, units="m (no header)")
+        counts = len(_column(numbers, y)) > 2 and _counts(_column(numbers, y))
+        said = (f"column {y + 1}, which is taken as y, counts; is it one?",) if counts else ()
+        return Columns(x, y, units="m (no header)", warnings=said)
     for looks in (_matrices, _quaternion, _parameter, _constant):
         problem = looks(numbers, able)
         if problem:
@@ -246,6 +248,8 @@ def _doubts(numbers: Sequence[Array | None], able: Sequence[int]) -> tuple[str, 
     x, y = able[1], able[2]
     if _counts(t) and not (_flat(a) and _flat(b)):
         return (f"column {able[0] + 1}, which is taken as x, counts; if it does, {_say(x, y)}",)
+    if _counts(a):
+        return (f"column {x + 1}, which is taken as y, counts; is it one?",)
     if (np.diff(t) <= 0).any() or _flat(a) or _flat(b) or _heading_fits(numbers, able, t, a):
         return ()
     return (

@@ -123,6 +123,8 @@ def _overrun(points: Array, ring: _Ring) -> _Overrun | None:
     at = first + int(apart[first : first + len(run)].argmin())
     foot = float(arc[at] + share[at] * length[at])
     beyond = float(arc[-1]) - foot
+    if np.hypot(*(points[at] - points[0])) < CLOSE * ring.step:
+        at -= 1
     follows = 0.0 < beyond < 0.5 * foot and _on_beginning(points, at, arc, beyond, ring)
     return _Overrun(at, beyond, foot, follows)
 

@@ -25,6 +25,8 @@ def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written:
     Raises:
         InvalidInput: None, several of equal right, cut, or a value that is no number (says which one).
     """
+    if len(documents) > 1 and all(map(is_record, documents)):
+        return _one_each(documents, label, wishes, written)
     every = [list(candidates(document, "", label)) for document in documents]
     found = [c for some in every for c in some]
     if all(c.empty for c in found) and any(map(is_record, documents)):
@@ -38,7 +40,9 @@ def read_messages(documents: Sequence[Any], label: str, wishes: Wishes, written:
     chosen, warnings = _choose(full, label, wishes)
     without = [n for n, some in enumerate(every) if not some]
     if without:
-        said = f"{len(without)} of {len(every)} documents hold no path, number {without[0]} the first"
+        said = (
+            f"{len(without)} of {len(every)} documents hold no path, number {without[0]} the first"
+        )
         warnings = (*warnings, said)
     if chosen.kind == "columns":
         return _columns(chosen, label, wishes, written, warnings)

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from osculate.curve.contract import Curve
-from osculate.curve.files.checks import check_places, check_reversal, doubts
+from osculate.curve.files.checks import check_flat, check_places, check_reversal, doubts
 from osculate.curve.files.delimited import read_delimited
 from osculate.curve.files.documents import load_json, load_yaml
 from osculate.curve.files.found import Array, Choice, Found, Wishes, refuse
@@ -129,7 +127,8 @@ def _found(path: Path, wishes: Wishes) -> Found:
 def _looks_like_yaml(content: str) -> bool:
     lines = [line for line in content[:20_000].split("\n")[:40] if line.strip()]
     lines = [line.rstrip() for line in lines if not line.lstrip().startswith("#")][:20]
-    return len(lines) > 1 and all(map(_YAML_LINE.fullmatch, lines)) and any(":" in n for n in lines)
+    marked = any(":" in line or line.startswith("- ") for line in lines)
+    return len(lines) > 1 and marked and all(map(_YAML_LINE.fullmatch, lines))
 
 
 def _structured(documents: list[Any], label: str, wishes: Wishes, written: str) -> Found:
@@ -160,6 +159,8 @@ def _reading(found: Found, label: str, wishes: Wishes, report: Callable[[float],
         closed, why = found.closed
     points = points[:kept]
     speeds = None if found.speeds is None else found.speeds[:kept]
+    if closed:
+        check_flat(points, label)
     check_reversal(points, found, label, wishes.tolerance)
     said = (
         *(f"{label}: {text}" for text in (*found.warnings, *more)),
@@ -171,8 +172,6 @@ def _reading(found: Found, label: str, wishes: Wishes, report: Callable[[float],
 
 
 def _spline(points: Array, label: str, closed: bool, tolerance: float) -> Spline:
-    if closed and np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 2:
-        raise refuse(label, "all its points lie on one line: that is no loop")
     try:
         return Spline(points=tuple(map(tuple, points.tolist())), loop=closed, tolerance=tolerance)
     except InvalidInput as error:

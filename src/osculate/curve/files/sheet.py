@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from osculate.curve.files.found import refuse
-from osculate.curve.files.names import UNITS, globe, parse_name, positions
+from osculate.curve.files.names import UNITS, axis_of, globe, parse_name, positions
 from osculate.curve.files.numbers import is_number
 
 COMMENT = ("#", "%", "//")
@@ -103,10 +103,14 @@ def _header(
     """The header, the rows under it, and what was left out above it."""
     if any(map(is_number, rows[0].cells)):
         header = _commented(comments, rows[0].cells, delimiter)
-        lost = [c for c in comments if header is None and _names_place(_split(c, delimiter))]
-        return header, rows, tuple(
-            f"the comment {c[:60]!r} names x and y, but not as many columns as there are"
-            for c in lost[:1]
+        lost = [c for c in comments if header is None and _hints(_split(c, delimiter))]
+        return (
+            header,
+            rows,
+            tuple(
+                f"the comment {c[:60]!r} names x or y, but not as many columns as there are"
+                for c in lost[:1]
+            ),
         )
     start = 0
     for n, row in enumerate(rows[:PREAMBLE]):
@@ -130,6 +134,11 @@ def _header(
 def _zip(header: Cells, units: Cells) -> Iterator[tuple[str, str]]:
     padded = [*units, *[""] * len(header)]
     return ((name, padded[n].strip("[]() ")) for n, name in enumerate(header))
+
+
+def _hints(cells: Cells) -> bool:
+    """Whether some cell names an axis."""
+    return any(axis_of(parse_name(cell)) for cell in cells)
 
 
 def _names_place(cells: Cells) -> bool:
@@ -161,7 +170,7 @@ def _commented(comments: Sequence[str], first: Cells, delimiter: str) -> Cells |
             if len(cells) != width or any(map(is_number, cells)):
                 continue
             words = all(re.fullmatch(r"\S+|\S+ ?[\[(].*", cell.strip("\"'")) for cell in cells)
-            if _names_place(cells) or (words and sign != " ") or (words and "x" in cells):
+            if _names_place(cells) or (words and sign != " ") or _hints(cells):
                 return cells
     return None
 
