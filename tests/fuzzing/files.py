@@ -95,20 +95,19 @@ def table(rng: random.Random) -> Written:
     def meaning(text: str) -> Points:
         bare = delimiter.strip(" ") or " "
         lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-        kept = [line for line in lines if line.strip() and line[0] not in "#%"]
-        if not any(map(_has_letters, kept[0].split(bare)[:2])) and not any(
-            name in line for name in names for line in lines
-        ):
-            rows = [line.split(bare) for line in kept]  # the header is gone: the first two columns
-            return [(float(row[0]), float(row[1])) for row in rows]
-        if not any(map(_has_letters, kept[0].split(bare)[:2])) and places == (0, 1):
-            header = order
-        elif not mark:
-            header = [c.strip() for c in next(csv.reader([kept[0]], delimiter=bare))]
-            kept = kept[1:]
+        kept = [line.strip(" ") for line in lines if line.strip() and line[0] not in "#%"]
+        if not any(name in line for name in names for line in lines):
+            rows = [[c for c in line.split(bare) if not _has_letters(c)] for line in kept]
+            return [(float(row[0]), float(row[1])) for row in rows]  # the header is gone
+        if any(name in kept[0] for name in names):
+            header, kept = (
+                [c.strip() for c in next(csv.reader([kept[0]], delimiter=bare))],
+                kept[1:],
+            )
         else:
             header = [c.strip() for c in lines[0][1:].strip().split(bare)]
-        if len(header) != len(order) or [header[n] for n in places] != list(names):
+        bases = [header[n].split("[")[0].strip() for n in places if n < len(header)]
+        if len(header) != len(order) or bases != [name.split("[")[0].strip() for name in names]:
             raise ValueError("another header")
         rows = [next(csv.reader([line], delimiter=bare)) for line in kept]
         if any(len(row) != len(order) for row in rows):

@@ -111,7 +111,8 @@ def test_gpx_and_kml(tmp_path):
 def road(*pieces):
     text, x, y, heading = "", 0.0, 0.0, 0.0
     for length, shape, dx, dy, turn in pieces:
-        text += f'<geometry s="0" x="{x!r}" y="{y!r}" hdg="{heading!r}" length="{length!r}">{shape}</geometry>'
+        place = f'x="{x!r}" y="{y!r}" hdg="{heading!r}"'
+        text += f'<geometry s="0" {place} length="{length!r}">{shape}</geometry>'
         x, y, heading = x + dx, y + dy, heading + turn
     return f'<OpenDRIVE><road id="1"><planView>{text}</planView></road></OpenDRIVE>'
 

@@ -21,7 +21,8 @@ NAMES = [
 UNITS = {"": 1.0, "_m": 1.0, "_mm": 1e3, " [mm]": 1e3, "_cm": 1e2, " (km)": 1e-3, " [m]": 1.0}
 OTHERS = {
     "time": lambda n: f"{1.7e9 + n / 4:.2f}", "index": str, "name": lambda n: f"wp{n}",
-    "orientation.x": lambda n: "0.3", "yaw": lambda n: f"{n / 10}", "remark": lambda n: "" if n % 3 else "ok",
+    "orientation.x": lambda n: "0.3", "yaw": lambda n: f"{n / 10}",
+    "remark": lambda n: "" if n % 3 else "ok",
     "x_std": lambda n: "0.01", "vy": lambda n: "9", "z": lambda n: "0.0", "w_tr_right_m": lambda n: "1.5",
 }  # fmt: skip
 HEADERS = st.sampled_from(["plain", "comment", "quoted"])
@@ -75,6 +76,12 @@ def plain(rows=WAVE):
     return "".join(f"{x},{y}\n" for x, y in rows)
 
 
+HEADED = "".join(
+    f"{x},{y},{math.atan2(b - y, 0.25)}\n"
+    for (x, y), b in zip(WAVE, [*WAVE[1:, 1], 0.0], strict=True)
+)
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -84,7 +91,7 @@ def plain(rows=WAVE):
         "a track\nmeasured in May\nx,y\n" + plain(),
         "x,y\nm,m\n" + plain(),
         "".join(f"{x},{y},\n" for x, y in WAVE),
-        "".join(f"{x},{y},{math.atan2(b - y, 0.25)}\n" for (x, y), b in zip(WAVE, [*WAVE[1:, 1], 0], strict=True)),
+        HEADED,
         plain().replace("-", "−"),
         "".join(f"wp{n},{x},{y}\n" for n, (x, y) in enumerate(WAVE)),
         "x,y\n" + plain() + ",\n,\n",
@@ -109,7 +116,7 @@ def test_other_ways_to_write_it(tmp_path, text):
         (lambda n, x, y: f"{n},{n * 100},odom,{x},{y},0.0,0,0,0.6,0.8", "4,5"),
         (lambda n, x, y: f"1 0 0 {x} 0 1 0 {y} 0 0 1 0", "4,8"),
     ],
-    ids=["index", "from one", "tum", "tum from 0", "nanoseconds", "height", "constant", "echo --csv", "kitti"],
+    ids=["index", "from 1", "tum", "tum from 0", "ns", "height", "constant", "echo --csv", "kitti"],
 )  # fmt: skip
 def test_without_a_header_the_wrong_columns_are_refused_and_the_right_ones_offered(
     tmp_path, row, offer

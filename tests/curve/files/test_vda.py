@@ -23,7 +23,9 @@ PLACES = {"n0": (0, 0), "n1": (4, 0), "n2": (6, 2), "n3": (6, 5)}
 def straight(a, b):
     return {
         "degree": 3, "knotVector": [0, 0, 0, 0, 1, 1, 1, 1],
-        "controlPoints": [{"x": a[0] + t / 3 * (b[0] - a[0]), "y": a[1] + t / 3 * (b[1] - a[1])} for t in range(4)],
+        "controlPoints": [
+            {"x": a[0] + t / 3 * (b[0] - a[0]), "y": a[1] + t / 3 * (b[1] - a[1])} for t in range(4)
+        ],
     }  # fmt: skip
 
 

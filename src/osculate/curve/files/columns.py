@@ -198,6 +198,8 @@ def _parameter(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
         return ""
     if _is_time(t):
         return f"column {first + 1} looks like a time; {_say(x, y)}"
+    if _is_time(a):
+        return f"column {x + 1} looks like a time; {_say(first, y)}"
     if _heading_fits(numbers, able, t, a):
         return ""
     if _counts(t) and not _flat(a) and not _flat(b):

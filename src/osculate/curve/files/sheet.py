@@ -59,7 +59,7 @@ def read_sheet(text: str, label: str) -> Sheet:
         raise refuse(label, f"has the delimiter {delimiter!r}; use one of {' '.join(DELIMITERS)}")
     rows = [Row(n, cells) for n, cells in _cells(body, delimiter, label)]
     first = body[0][0]
-    comments = [line for n, line in numbered if n < first and line.startswith(COMMENT)]
+    comments = [(n < first, line) for n, line in numbered if line.startswith(COMMENT)]
     header, rows, warnings = _header(rows, comments, delimiter, label)
     if not rows:
         raise refuse(label, "must hold lines with x and y (m); it holds a header only")
@@ -98,17 +98,21 @@ def _cells(
 
 
 def _header(
-    rows: list[Row], comments: Sequence[str], delimiter: str, label: str
+    rows: list[Row], comments: Sequence[tuple[bool, str]], delimiter: str, label: str
 ) -> tuple[Cells | None, list[Row], tuple[str, ...]]:
     """The header, the rows under it, and what was left out above it."""
     if any(map(is_number, rows[0].cells)):
-        header = _commented(comments, rows[0].cells, delimiter)
-        lost = [c for c in comments if header is None and _hints(_split(c, delimiter))]
+        header = _commented([c for above, c in comments if above], rows[0].cells, delimiter)
+        lost = [
+            comment
+            for above, comment in comments
+            if header is None and (_hints if above else _names_place)(_split(comment, delimiter))
+        ]
         return (
             header,
             rows,
             tuple(
-                f"the comment {c[:60]!r} names x or y, but not as many columns as there are"
+                f"the comment {c[:60]!r} names x or y, but is no header: not above, or of another width"
                 for c in lost[:1]
             ),
         )
