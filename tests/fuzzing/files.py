@@ -9,6 +9,7 @@ import csv
 import json
 import math
 import random
+import re
 import time
 import warnings
 from collections import Counter
@@ -154,9 +155,18 @@ def _meaning(data: Any, form: str) -> Points:
     else:
         poses = [p["pose"]["position"] for p in (data["poses"] if form == "path" else data)]
         pairs = [(p["x"], p["y"]) for p in poses]
+    pairs = [tuple(map(_yaml_number, pair)) for pair in pairs]
     if any(type(v) not in (int, float) or not math.isfinite(v) for pair in pairs for v in pair):
         raise ValueError("no numbers")
     return [(float(x), float(y)) for x, y in pairs]
+
+
+def _yaml_number(value: Any) -> Any:
+    """``-.5`` and ``1e5`` are numbers in YAML 1.2 and texts in PyYAML."""
+    plain = isinstance(value, str) and re.fullmatch(
+        r"[+-]?([1-9]\d*|0)?\.?\d+([eE][+-]?\d+)?", value
+    )
+    return float(value) if plain and not re.match(r"[+-]?0\d", value) else value
 
 
 def _only_list(data: dict[str, Any]) -> list[Any]:
@@ -203,7 +213,7 @@ def yaml_document(rng: random.Random) -> Written:
     text = "---\n".join(written(part) for part in data) if form == "dump" else written(data)
 
     def meaning(text: str) -> Points:
-        documents = [d for d in yaml.safe_load_all(text) if d is not None]
+        documents = [d for d in yaml.load_all(text, Loader=yaml.CSafeLoader) if d is not None]
         return _meaning(documents if form == "dump" else documents[0], form)
 
     return Written(text, ".yaml", points, meaning)
@@ -294,3 +304,55 @@ def campaign(kind: str, seeds: range, folder: Path) -> tuple[Counter[str], list[
     outcomes = [outcome(kind, seed, folder) for seed in seeds]
     bad = [o for o in outcomes if o.kind in ("wrong", "crash", "slow")]
     return Counter(o.kind for o in outcomes), bad
+
+
+# trees -----------------------------------------------------------------------------------------
+
+JUNK = (
+    None, True, -1, 0, 1e308, 1e-320, 2.5, "x", "...", "", "n0", [], {}, [[]], [1], [1, 2], [1, 2, 3],
+    {"x": 1}, {"x": 1, "y": 2}, 10**30, [None], [{}], {"type": "LineString"},
+)  # fmt: skip
+
+
+def mutated(rng: random.Random, tree: Any) -> Any:
+    """A document in which one to three values are replaced by something else, deleted or doubled."""
+    tree = json.loads(json.dumps(tree))
+    for _ in range(rng.randint(1, 3)):
+        places = list(_places(tree))
+        if not places:
+            return rng.choice(JUNK)
+        parent, key = rng.choice(places)
+        fate = rng.random()
+        if fate < 0.6:
+            parent[key] = json.loads(json.dumps(rng.choice(JUNK)))
+        elif fate < 0.8:
+            del parent[key]
+        elif isinstance(parent, list):
+            parent.insert(key, parent[key])
+        else:
+            parent[rng.choice(["x", "edges", "poses", "a"])] = parent[key]
+    return tree
+
+
+def _places(node: Any, depth: int = 12) -> Any:
+    items = (
+        node.items()
+        if isinstance(node, dict)
+        else enumerate(node)
+        if isinstance(node, list)
+        else ()
+    )
+    for key, value in list(items)[:8] if depth else ():
+        yield node, key
+        yield from _places(value, depth - 1)
+
+
+def survives(file: Path) -> bool:
+    """Read a file, or be told why not; anything else is an error of the reader's."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            read_file(file)
+        except OsculateError:
+            return False
+    return True

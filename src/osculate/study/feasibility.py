@@ -126,12 +126,19 @@ def load_source(source: str, **options: Any) -> Loaded:
     if source in CURVES:
         return Loaded(_with(CURVES[source], source, given), None)
     path = Path(source)
-    if not path.exists():
+    if not _exists(path):
         raise InvalidInput("curve", source, f"must be a file or one of {', '.join(CURVES)}")
     if path.suffix.lower() in (".yaml", ".yml") and _is_scenario(read_text(path).content):
         scenario = Scenario.load(path)
         return Loaded(_with(scenario.curve, source, given), scenario.robot)
     return Loaded(CurveFile(path=source, **given), None)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long
+        return False
 
 
 def _is_scenario(text: str) -> bool:

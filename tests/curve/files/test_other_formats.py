@@ -4,12 +4,14 @@ import gzip
 import json
 import math
 import os
+import random
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzing.files import mutated, survives
 from osculate import CurveFile, Cycloid, InvalidInput, read_curve, simulate
 from osculate.curve.files import read_file
 
@@ -221,6 +223,23 @@ def test_recordings_of_robots(tmp_path):
         (tmp_path / "e.mcap").write_bytes(damaged)
         with pytest.raises(InvalidInput):
             read_curve(tmp_path / "e.mcap")
+
+
+def test_damaged_recordings_and_geojson_are_refused_in_words(tmp_path):
+    head = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "map"}
+    poses = [{"header": head, "pose": pose(x, y)} for x, y in WAVE.tolist()]
+    path = recorded(
+        tmp_path / "a.mcap", {"/plan": ("nav_msgs/msg/Path", [{"header": head, "poses": poses}])}
+    )
+    whole, tree = path.read_bytes(), feature(WAVE.tolist())
+    for seed in range(150):
+        rng = random.Random(seed)
+        data = bytearray(whole)
+        for _ in range(rng.randint(1, 4)):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        path.write_bytes(data[: rng.randrange(len(data))] if rng.random() < 0.2 else data)
+        survives(path)
+        survives(put(tmp_path, "a.geojson", json.dumps(mutated(rng, tree))))
 
 
 def test_a_recording_of_osculates_own_is_the_curve_that_was_driven(tmp_path):

@@ -163,6 +163,7 @@ def test_the_length_of_the_way_is_no_x(tmp_path):
         ("x1,y1,x2,y2\n0,0,1,1\n", "names x1, y1, x2, y2 and no x and y"),
         ("x_px,y_px\n0,0\n4,9\n", "counts pixels"),
         ("0,1\n0.5,2.5\n1.5,2.5\n2.5,2.5\n", "line 1.*counts the columns"),
+        ("x,y\n0,0\n1e200,0\n2,0\n", "point 1.*further than 1e.11 m away"),
         ("x,y\n", "header only"),
         ("# nothing\n", "holds none"),
         ("x,y\n1,1\n1,1\n", "two different points"),

@@ -3,12 +3,14 @@
 import copy
 import json
 import math
+import random
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzing.files import mutated, survives
 from osculate import InvalidInput, Nurbs, Spline, read_curve
 from osculate.curve.files import read_file
 
@@ -180,6 +182,15 @@ def test_the_horizon_is_said(tmp_path):
     data["edges"][2]["released"] = False
     with pytest.warns(UserWarning, match="1 of 3 edges are not released"):
         assert read_curve(put(tmp_path, data)).length == pytest.approx(WHOLE)
+
+
+def test_damaged_orders_and_layouts_are_refused_in_words(tmp_path):
+    trees = [order(), layout(), BEND]
+    read = sum(
+        survives(put(tmp_path, mutated(random.Random(seed), trees[seed % 3])))
+        for seed in range(300)
+    )
+    assert 20 < read < 280
 
 
 def layout(kinds=("small", "big"), extra=()):

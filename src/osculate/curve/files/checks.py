@@ -6,6 +6,7 @@ import numpy as np
 
 from osculate.curve.files.found import Array, Found, refuse
 
+FARTHEST = 1e11  # m, where doubles resolve 0.02 mm
 HUGE = 2e4  # m, extent beyond which coordinates look like millimetres
 TINY = 0.2  # m, extent below which coordinates far from the origin look like degrees
 FAR_JUMP = 50.0  # median steps
@@ -23,11 +24,14 @@ class Turn(NamedTuple):
 
 
 def check_places(points: Array, label: str) -> None:
-    """At least two different points.
+    """At least two different points, none of them beyond all measure.
 
     Raises:
-        InvalidInput: Fewer.
+        InvalidInput: Fewer, or one too far away.
     """
+    far = np.abs(points).max(axis=1, initial=0.0) > FARTHEST
+    if far.any():
+        raise refuse(label, f"is further than {FARTHEST:g} m away", f"point {int(far.argmax())}")
     if len(points) < 2 or not np.ptp(points, axis=0).any():
         raise refuse(label, f"must hold at least two different points, it has {len(points)}")
 

@@ -14,6 +14,7 @@ from osculate.errors import InvalidInput
 from osculate.spec import quantity
 
 DENSE = 16  # samples of the curve for each point, when the points are looked up on it
+CHUNK = 2048  # points that are looked up at once
 REACH = 48  # samples to both sides of where a point is expected
 
 
@@ -120,11 +121,15 @@ def along(curve: Curve, points: Array) -> Array:
     s = np.linspace(0.0, curve.length, DENSE * len(around) + 1)
     point = curve.at(s)
     guess = np.rint(chords[: len(points)] / chords[-1] * (len(s) - 1)).astype(int)
-    feet = np.empty(len(points))
-    for n, (place, (x, y)) in enumerate(zip(guess, points, strict=True)):
-        here = slice(max(0, place - REACH), place + REACH + 1)
-        feet[n] = s[here][np.hypot(point.x[here] - x, point.y[here] - y).argmin()]
-    return np.maximum.accumulate(feet)
+    feet = []
+    for first in range(0, len(points), CHUNK):
+        here = guess[first : first + CHUNK, None] + np.arange(-REACH, REACH + 1)
+        here = np.clip(here, 0, len(s) - 1)
+        apart = np.hypot(
+            *(np.stack([point.x[here], point.y[here]]) - points[first : first + CHUNK].T[..., None])
+        )
+        feet.append(s[np.take_along_axis(here, apart.argmin(axis=1)[:, None], axis=1)[:, 0]])
+    return np.maximum.accumulate(np.concatenate(feet))
 
 
 def read_curve(

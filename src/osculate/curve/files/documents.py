@@ -15,6 +15,7 @@ from osculate.curve.files.numbers import strict
 DEEPEST = 40  # nested mappings and lists
 EXPANDED = 20_000_000  # values, aliases written out
 _NOTHING = ("", "~", "null", "Null", "NULL")
+_NUMBERS = ("tag:yaml.org,2002:float", "tag:yaml.org,2002:int")
 _EVERY = 20_000  # events between two reports of progress
 
 
@@ -102,23 +103,24 @@ class _Builder:
         self.keys: list[str | None] = []  # the key that waits for its value, in each of them
         self.counts: list[int] = []  # values in each, aliases written out
         self.names: list[str | None] = []  # the anchor of each
-        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.anchors: dict[str | None, tuple[Any, int]] = {}
         self.documents: list[Any] = []
 
     def build(self, events: Iterator[Any]) -> list[Any]:
         """All documents."""
+        handlers: dict[str, Callable[[Any], None]] = {
+            "ScalarEvent": self._scalar,
+            "MappingStartEvent": lambda event: self._start({}, event),
+            "SequenceStartEvent": lambda event: self._start([], event),
+            "MappingEndEvent": self._end,
+            "SequenceEndEvent": self._end,
+            "AliasEvent": self._alias,
+            "DocumentStartEvent": lambda event: self.anchors.clear(),
+        }
         for n, event in enumerate(events):
-            kind = type(event).__name__
-            if kind == "ScalarEvent":
-                self._scalar(event)
-            elif kind in ("MappingStartEvent", "SequenceStartEvent"):
-                self._start({} if kind[0] == "M" else [], event)
-            elif kind in ("MappingEndEvent", "SequenceEndEvent"):
-                self._end(event)
-            elif kind == "AliasEvent":
-                self._alias(event)
-            elif kind == "DocumentStartEvent":
-                self.anchors = {}
+            handler = handlers.get(event.__class__.__name__)
+            if handler:
+                handler(event)
             if n % _EVERY == 0:
                 self.on_progress(event.start_mark.index / self.size)
         return [document for document in self.documents if document is not None]
@@ -127,22 +129,31 @@ class _Builder:
         return refuse(self.label, message, f"line {event.start_mark.line + 1}")
 
     def _scalar(self, event: Any) -> None:
-        if self.open and self.keys[-1] is None and isinstance(self.open[-1], dict):
-            self._key(event)
-            return
         value: Any = event.value
-        if event.implicit[0] or event.tag in ("tag:yaml.org,2002:float", "tag:yaml.org,2002:int"):
+        parent: Any = self.open[-1] if self.open else None
+        mapping = isinstance(parent, dict)
+        if mapping and self.keys[-1] is None:
+            if value in parent or value == "<<":
+                raise self._wrong_key(event)
+            self.keys[-1] = value
+            return
+        if event.implicit[0] or event.tag in _NUMBERS:
             value = None if value in _NOTHING else strict(value)
-        if event.anchor:
+        if event.anchor or parent is None:
             self.anchors[event.anchor] = (value, 1)
-        self._put(value, 1, event)
+            self._put(value, 1, event)
+        elif mapping:
+            parent[self.keys[-1]] = value
+            self.keys[-1] = None
+            self.counts[-1] += 1
+        else:
+            parent.append(value)
+            self.counts[-1] += 1
 
-    def _key(self, event: Any) -> None:
-        if event.value in self.open[-1]:
-            raise self._error(event, f"the key {event.value!r} is there twice in one mapping")
+    def _wrong_key(self, event: Any) -> Exception:
         if event.value == "<<":
-            raise self._error(event, "merged mappings (<<) are not read; write the fields out")
-        self.keys[-1] = event.value
+            return self._error(event, "merged mappings (<<) are not read; write the fields out")
+        return self._error(event, f"the key {event.value!r} is there twice in one mapping")
 
     def _start(self, container: Any, event: Any) -> None:
         if self.open and self.keys[-1] is None and isinstance(self.open[-1], dict):

@@ -22,7 +22,7 @@ def is_geojson(document: Any) -> bool:
     """Whether a document is GeoJSON."""
     return (
         isinstance(document, Mapping)
-        and document.get("type") in TYPES
+        and str(document.get("type")) in TYPES
         and any(key in document for key in INSIDE)
     )
 
@@ -73,7 +73,7 @@ def _geometries(node: Any) -> Iterator[Mapping[str, Any]]:
         node = open_nodes.pop()
         if not isinstance(node, Mapping):
             continue
-        if node.get("type") in TYPES and "coordinates" in node:
+        if str(node.get("type")) in TYPES and "coordinates" in node:
             yield node
         for key in ("geometry", "features", "geometries"):
             inner = node.get(key)

@@ -3,7 +3,7 @@
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,14 @@ from osculate.curve.files.numbers import decimal
 from osculate.curve.files.opendrive import read_opendrive
 
 _FORBIDDEN = re.compile(r"<!(DOCTYPE|ENTITY)", re.IGNORECASE)
-Line = tuple[str, list[tuple[Any, Any]]]  # name; longitude and latitude as they are written
+
+
+class Line(NamedTuple):
+    """A track, route or line."""
+
+    name: str
+    points: list[tuple[Any, Any]]  # longitude and latitude as they are written
+    parts: int = 1  # that follow each other
 
 
 def read_markup(text: str, label: str, wishes: Wishes) -> Found:
@@ -63,11 +70,12 @@ def _gpx(root: ET.Element) -> Iterator[Line]:
         number += 1
         points = [(p.get("lon"), p.get("lat")) for p in _all(line, "trkpt", "rtept")]
         if points:
-            yield _name(line, str(number)), points
+            parts = sum(1 for _ in _all(line, "trkseg"))
+            yield Line(_name(line, str(number)), points, max(parts, 1))
     if not number:
         points = [(p.get("lon"), p.get("lat")) for p in _all(root, "wpt")]
         if points:
-            yield "waypoints", points
+            yield Line("waypoints", points)
 
 
 def _kml(root: ET.Element) -> Iterator[Line]:
@@ -77,17 +85,18 @@ def _kml(root: ET.Element) -> Iterator[Line]:
             text = " ".join(inner.text or "" for inner in _all(line, "coordinates"))
             number += 1
             cells = [entry.split(",") for entry in re.sub(r"\s*,\s*", ",", text).split()]
-            yield _name(place, str(number)), [(c[0], c[1] if len(c) > 1 else None) for c in cells]
+            pairs = [(c[0], c[1] if len(c) > 1 else None) for c in cells]
+            yield Line(_name(place, str(number)), pairs)
 
 
 def _globe(kind: str, lines: list[Line], label: str, wishes: Wishes) -> Found:
-    names = [name for name, _ in lines]
+    names = [line.name for line in lines]
     if not lines:
         raise refuse(label, f"holds no track, route or line ({kind})")
-    chosen = [line for line in lines if line[0] == wishes.take] if wishes.take else lines
+    chosen = [line for line in lines if line.name == wishes.take] if wishes.take else lines
     if len(chosen) != 1:
         raise refuse(label, f"holds the lines {', '.join(names[:8])} ({kind}); say --take NAME")
-    name, written = chosen[0]
+    name, written, parts = chosen[0]
     degrees = np.empty((len(written), 2))
     for n, pair in enumerate(written):
         for k, word in enumerate(("longitude", "latitude")):
@@ -99,4 +108,5 @@ def _globe(kind: str, lines: list[Line], label: str, wishes: Wishes) -> Found:
         raise refuse(label, f"the line {name} holds no points ({kind})")
     points, origin = project(degrees[:, 0], degrees[:, 1], lambda n: f"point {n}", label)
     rows = (("line", name), ("origin", origin))
-    return Found(kind, points, None, rows, "degrees, projected to m")
+    said = (f"{parts} segments are joined in the order of the file",) if parts > 1 else ()
+    return Found(kind, points, None, rows, "degrees, projected to m", warnings=said)

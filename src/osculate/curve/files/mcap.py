@@ -42,7 +42,6 @@ def read_mcap(path: Path, wishes: Wishes) -> Found:
     label = str(path)
     try:
         stream: Any = import_module("mcap.stream_reader")
-        broken: Any = import_module("mcap.exceptions").McapError
         systems: Any = import_module("rosbags.typesys")
     except ImportError:
         raise MissingExtra("mcap", "mcap-ros2-support") from None
@@ -50,7 +49,7 @@ def read_mcap(path: Path, wishes: Wishes) -> Found:
         topics, others = _topics(path, stream, label)
     except InvalidInput:
         raise
-    except (broken, ValueError, OSError, EOFError, RuntimeError, MemoryError) as error:
+    except Exception as error:  # mcap, struct, lz4 and zstandard each raise errors of their own
         raise refuse(label, f"is a damaged MCAP file ({error or type(error).__name__})") from None
     topic, warnings = _choose(topics, others, label, wishes)
     store = systems.get_typestore(systems.Stores.ROS2_JAZZY)
@@ -90,11 +89,13 @@ def _topics(path: Path, stream: Any, label: str) -> tuple[list[Topic], list[str]
 
 
 def _records(file: Any, stream: Any, label: str) -> Iterator[Any]:
-    reader = stream.StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_CHUNK)
+    reader = stream.StreamReader(
+        file, emit_chunks=True, validate_crcs=True, record_size_limit=LARGEST_CHUNK
+    )
     for record in reader.records:
         if type(record).__name__ == "Chunk":
             _check_size(record, label)
-            yield from stream.breakup_chunk(record)
+            yield from stream.breakup_chunk(record, validate_crc=True)
         else:
             yield record
 

@@ -8,6 +8,11 @@ from osculate.curve.files.found import Wishes, refuse
 Made = tuple[str, str, str, Mapping[str, Any] | None]
 
 
+def mappings(value: Any) -> list[Mapping[str, Any]]:
+    """The mappings in a list; nothing of what is no list."""
+    return [item for item in value if isinstance(item, Mapping)] if isinstance(value, list) else []
+
+
 def trajectory_of(edge: Mapping[str, Any], label: str) -> Mapping[str, Any] | None:
     """The trajectory of an edge, or None if it is straight.
 
@@ -28,13 +33,13 @@ def chained(
     Raises:
         InvalidInput: Several layouts, or a network in which there is more than one way.
     """
-    layouts = [item for item in layouts if isinstance(item, Mapping)]
+    layouts = mappings(layouts)
     named = [item for item in layouts if str(item.get("layoutId")) == wishes.take]
     if len(layouts) > 1 and not named:
         ids = ", ".join(str(item.get("layoutId")) for item in layouts)
         raise refuse(label, f"holds the layouts {ids}; say --take LAYOUT")
     layout = (named or layouts or [{}])[0]
-    edges = [edge for edge in layout.get("edges") or () if isinstance(edge, Mapping)]
+    edges = mappings(layout.get("edges"))
     if not edges:
         raise refuse(label, "the layout has no edges; a path needs one at least")
     ordered = _way(edges, label)
@@ -47,16 +52,14 @@ def chained(
     if len(types) > 1 and not take:
         others = ", ".join(kind for kind in types if kind != chosen)
         warnings = (f"the vehicle type {chosen} is read; {others} are there too (--take TYPE)",)
-    nodes = {str(n.get("nodeId")): n for n in layout.get("nodes") or () if isinstance(n, Mapping)}
+    nodes = {str(node.get("nodeId")): node for node in mappings(layout.get("nodes"))}
     return [_made(edge, chosen, label) for edge in ordered], nodes, warnings
 
 
 def _types(edge: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     """Properties of an edge by vehicle type."""
-    listed = edge.get("vehicleTypeEdgeProperties") or ()
-    if not isinstance(listed, list):
-        return {}
-    return {str(p.get("vehicleTypeId")): p for p in listed if isinstance(p, Mapping)}
+    listed = mappings(edge.get("vehicleTypeEdgeProperties"))
+    return {str(properties.get("vehicleTypeId")): properties for properties in listed}
 
 
 def _made(edge: Mapping[str, Any], kind: str, label: str) -> Made:

@@ -5,7 +5,9 @@ import re
 from typing import Any
 
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
-_STRICT = re.compile(r"[+-]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_STRICT = re.compile(
+    r"[+-]?(?:(?:0|[1-9]\d*)(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII
+).fullmatch
 _LONGEST = 400  # characters of a number
 
 
@@ -52,7 +54,7 @@ def explain_number(cell: Any) -> str:
 
 def strict(text: str) -> float | str:
     """A plain scalar of a document as a number, or as it is if it is not plainly a decimal one."""
-    return float(text) if len(text) <= _LONGEST and _STRICT.fullmatch(text) else text
+    return float(text) if _STRICT(text) and len(text) <= _LONGEST else text
 
 
 def number(value: Any) -> float:

@@ -8,6 +8,8 @@ from osculate.curve.files.numbers import number
 from osculate.curve.spline import Nurbs
 from osculate.errors import InvalidInput
 
+LONG = 200  # characters of a message: longer ones repeat all points
+
 
 def nurbs(trajectory: Mapping[str, Any], label: str, scale: float) -> Nurbs:
     """The NURBS of a trajectory, with the norm's defaults.
@@ -29,8 +31,11 @@ def nurbs(trajectory: Mapping[str, Any], label: str, scale: float) -> Nurbs:
     scaled = tuple((scale * x, scale * y) for x, y in points)
     try:
         return Nurbs(degree=degree, knots=tuple(knots), points=scaled, weights=weights)
-    except InvalidInput as error:
-        raise InvalidInput("path", label, f"its trajectory: {error}") from None
+    except ValueError as error:
+        said = str(error)
+        if len(said) > LONG and isinstance(error, InvalidInput):
+            said = f"{error.field} {error.valid}"
+        raise refuse(label, f"its trajectory: {said}") from None
 
 
 def _knots(given: Any, count: int, degree: int) -> list[float]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from osculate.curve.files.found import Found, Wishes, refuse
-from osculate.curve.files.network import chained, trajectory_of
+from osculate.curve.files.network import chained, mappings, trajectory_of
 from osculate.curve.files.numbers import number
 from osculate.curve.files.pieces import Piece, joined
 from osculate.curve.files.trajectory import nurbs
@@ -101,11 +101,7 @@ def _order(
     horizon = sum(str(edge.get("released", True)).lower() == "false" for edge in edges)
     if horizon:
         warnings.append(f"{horizon} of {len(edges)} edges are not released yet (the horizon)")
-    nodes = {
-        str(node.get("nodeId")): node
-        for node in order.get("nodes") or ()
-        if isinstance(node, Mapping)
-    }
+    nodes = {str(node.get("nodeId")): node for node in mappings(order.get("nodes"))}
     made = [
         Edge(
             str(edge.get("edgeId", f"number {n}")), str(edge.get("startNodeId", "")),
