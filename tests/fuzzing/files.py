@@ -164,7 +164,7 @@ def _meaning(data: Any, form: str) -> Points:
 def _yaml_number(value: Any) -> Any:
     """``-.5`` and ``1e5`` are numbers in YAML 1.2 and texts in PyYAML."""
     plain = isinstance(value, str) and re.fullmatch(
-        r"[+-]?([1-9]\d*|0)?\.?\d+([eE][+-]?\d+)?", value
+        r"[+-]?(([1-9]\d*|0)\.?\d*|\.\d+)([eE][+-]?\d+)?", value
     )
     return float(value) if plain and not re.match(r"[+-]?0\d", value) else value
 

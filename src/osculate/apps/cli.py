@@ -191,13 +191,13 @@ def curve(
         source, scale=scale, tolerance=tolerance, columns=_columns(columns), loop=loop, take=take,
         speeds=speeds,
     )  # fmt: skip
-    with progress("reading") as told:
-        if isinstance(chosen, CurveFile):
-            chosen.read(lambda fraction: told(0.5 * fraction))
+    if isinstance(chosen, CurveFile):
+        with progress("reading") as told:
+            chosen.read(told)
+        _print_reading(chosen)
+    with progress("inspecting") as told:
         report = inspect_curve(chosen, named or own or vehicle_named("paper"), speed)
         told(1.0)
-    if isinstance(chosen, CurveFile):
-        _print_reading(chosen)
     _print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
     out.print(report.verdict, style="none" if report.feasible else "bold red")
     if output:

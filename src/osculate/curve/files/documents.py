@@ -6,6 +6,7 @@ it is there.
 """
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -16,6 +17,9 @@ DEEPEST = 40  # nested mappings and lists
 EXPANDED = 20_000_000  # values, aliases written out
 _NOTHING = ("", "~", "null", "Null", "NULL")
 _NUMBERS = ("tag:yaml.org,2002:float", "tag:yaml.org,2002:int")
+_ELSEWHERE = re.compile(
+    r"[+-]?(0[0-7_]+|[1-9][0-9_]*(:[0-5]?\d)+(\.\d*)?|0[xb][\da-fA-F_]+|\d+_[\d_]*)"
+)
 _EVERY = 20_000  # events between two reports of progress
 
 
@@ -72,8 +76,16 @@ def _check_depth(data: list[Any], label: str) -> None:
     raise refuse(label, f"is nested more than {DEEPEST} deep")
 
 
-def load_yaml(text: str, label: str, on_progress: Callable[[float], None]) -> list[Any]:
+def load_yaml(
+    text: str, label: str, on_progress: Callable[[float], None], *, decimal: bool = False
+) -> list[Any]:
     """The documents in a YAML text that are not empty.
+
+    Args:
+        text: YAML 1.1.
+        label: The file, for messages.
+        on_progress: Told the fraction done.
+        decimal: Refuse ``010``, ``1:30``, ``0x1F`` and ``1_000`` wherever they stand without quotes.
 
     Raises:
         InvalidInput: Not YAML, a key twice, an alias to what is not there yet, too deep or too large
@@ -83,7 +95,7 @@ def load_yaml(text: str, label: str, on_progress: Callable[[float], None]) -> li
 
     loader: Any = getattr(yaml, "CLoader", yaml.Loader)
     try:
-        return _Builder(label, max(len(text), 1), on_progress).build(
+        return _Builder(label, max(len(text), 1), on_progress, decimal).build(
             yaml.parse(text, Loader=loader)
         )
     except yaml.MarkedYAMLError as error:
@@ -97,7 +109,10 @@ def load_yaml(text: str, label: str, on_progress: Callable[[float], None]) -> li
 class _Builder:
     """Plain data from YAML's events: one list of open mappings and lists, no recursion."""
 
-    def __init__(self, label: str, size: int, on_progress: Callable[[float], None]) -> None:
+    def __init__(
+        self, label: str, size: int, on_progress: Callable[[float], None], decimal: bool
+    ) -> None:
+        self.decimal = decimal
         self.label, self.size, self.on_progress = label, size, on_progress
         self.open: list[Any] = []  # mappings and lists that are not finished
         self.keys: list[str | None] = []  # the key that waits for its value, in each of them
@@ -139,6 +154,10 @@ class _Builder:
             return
         if event.implicit[0] or event.tag in _NUMBERS:
             value = None if value in _NOTHING else strict(value)
+            if self.decimal and isinstance(value, str) and _ELSEWHERE.fullmatch(value):
+                raise self._error(
+                    event, f"{value} is not the same number everywhere; write it plainly"
+                )
         if event.anchor or parent is None:
             self.anchors[event.anchor] = (value, 1)
             self._put(value, 1, event)
