@@ -95,13 +95,14 @@ def test_a_first_point_written_twice_closes_even_a_few_points(tmp_path):
     heading=st.floats(-3, 3),
     bend=st.floats(-0.1, 0.1),
     step=st.sampled_from([0.05, 0.25, 2.0]),
+    still=st.sampled_from([0, 1, 9]),
 )
-def test_a_path_that_turns_round_is_refused_at_the_place(ahead, back, heading, bend, step):
+def test_a_path_that_turns_round_is_refused_at_the_place(ahead, back, heading, bend, step, still):
     h = heading + 0.02 * np.arange(ahead)
     there = np.concatenate([[[0, 0]], np.cumsum(step * np.stack([np.cos(h), np.sin(h)], 1), 0)])
     g = h[-1] + np.pi + bend * np.arange(min(back, 12))
     away = there[-1] + np.cumsum(step * np.stack([np.cos(g), np.sin(g)], 1), axis=0)
-    turn = turning(np.concatenate([there, away]))
+    turn = turning(np.concatenate([there, np.repeat(there[-1:], still, axis=0), away]))
     assert turn.point == ahead
     assert turn.place == pytest.approx(ahead * step)
     assert turning(there) is None

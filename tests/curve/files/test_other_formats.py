@@ -124,6 +124,8 @@ ARC = (math.pi, '<arc curvature="0.5"/>', 2.0, 2.0, math.pi / 2)
 
 
 def test_opendrive(tmp_path):
+    bend = read_curve(put(tmp_path, "e.xodr", road(ARC)), scale=0.5)
+    assert float(bend.at(0.0).curvature) == pytest.approx(1.0)
     spiral = (4.0, '<spiral curvStart="0" curvEnd="0.3"/>', 0, 0, 0)
     curve = read_curve(put(tmp_path, "a.xodr", road(LINE, spiral)), scale=0.5)
     assert curve.length == pytest.approx(4.5)
@@ -175,7 +177,7 @@ def recorded(path, topics):
         writer = writer_of(stream)
         for topic, (kind, messages) in topics.items():
             schema = writer.register_msgdef(kind, store.generate_msgdef(kind, ros_version=2)[0])
-            for n, message in enumerate(messages):
+            for n, message in [*enumerate(messages)][::-1]:  # logged late, as in a merged recording
                 writer.write_message(topic, schema, message, n, n)
         writer.finish()
     return path

@@ -89,6 +89,7 @@ HEADED = "".join(
         "x,y\n# a comment, of two parts\n" + plain(),
         "sep=;\nx;y\n" + plain().replace(",", ";"),
         "a track\nmeasured in May\nx,y\n" + plain(),
+        "# recorded on a Monday with a rover\n" + plain().replace(",", " "),
         "x,y\nm,m\n" + plain(),
         "".join(f"{x},{y},\n" for x, y in WAVE),
         HEADED,
@@ -96,7 +97,7 @@ HEADED = "".join(
         "".join(f"wp{n},{x},{y}\n" for n, (x, y) in enumerate(WAVE)),
         "x,y\n" + plain() + ",\n,\n",
     ],
-    ids=["bare", "comment", "excel", "title", "units", "trailing", "heading", "minus", "named", "blank"],
+    ids=["bare", "comment", "excel", "title", "prose", "units", "trailing", "heading", "minus", "named", "blank"],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore:.*left out")
 def test_other_ways_to_write_it(tmp_path, text):
@@ -127,6 +128,12 @@ def test_without_a_header_the_wrong_columns_are_refused_and_the_right_ones_offer
         read_curve(path)
     chosen = [int(n) for n in offer.split(",")]
     assert points(path, columns=chosen) == pytest.approx(WAVE, abs=1e-12)
+
+
+def test_a_header_out_of_place_is_pointed_out(tmp_path):
+    for text in ("# y_refx_ref|kappa|time\n0|1|2|5\n1|0|5|5\n0|3|1|5\n", "0,1\n# y,x\n1,0\n0,3\n"):
+        with pytest.warns(UserWarning, match="may be a header, but"):
+            read_curve(written(tmp_path, "t.csv", text))
 
 
 def test_the_length_of_the_way_is_no_x(tmp_path):

@@ -106,13 +106,13 @@ def _header(
         lost = [
             comment
             for above, comment in comments
-            if header is None and (_hints if above else _names_place)(_split(comment, delimiter))
+            if header is None and _lost_header(comment, delimiter, above)
         ]
         return (
             header,
             rows,
             tuple(
-                f"the comment {c[:60]!r} names x or y, but is no header: not above, or of another width"
+                f"the comment {c[:60]!r} may be a header, but not here or not of this many columns"
                 for c in lost[:1]
             ),
         )
@@ -138,6 +138,15 @@ def _header(
 def _zip(header: Cells, units: Cells) -> Iterator[tuple[str, str]]:
     padded = [*units, *[""] * len(header)]
     return ((name, padded[n].strip("[]() ")) for n, name in enumerate(header))
+
+
+def _lost_header(comment: str, delimiter: str, above: bool) -> bool:
+    """Whether a comment that is no header was one, perhaps."""
+    cells = _split(comment, delimiter)
+    if not above:
+        return _names_place(cells)
+    words = delimiter != " " and not any(re.search(r"\s", cell) for cell in cells)
+    return _hints(cells) or (words and len(cells) > 2)
 
 
 def _hints(cells: Cells) -> bool:
