@@ -17,6 +17,7 @@ NAMES = [
     ("tx", "ty"), ("center_x", "center_y"), ("x_center", "y_center"), ("Easting", "Northing"),
     ("field.position.x", "field.position.y"), ("/odom/pose/pose/position/x", "/odom/pose/pose/position/y"),
     ("utm_x", "utm_y"), ("x_ref", "y_ref"), ("xCoord", "yCoord"), ("waypoint_x", "waypoint_y"), ("E", "N"),
+    ("p_RS_R_x", "p_RS_R_y"),
 ]  # fmt: skip
 UNITS = {"": 1.0, "_m": 1.0, "_mm": 1e3, " [mm]": 1e3, "_cm": 1e2, " (km)": 1e-3, " [m]": 1.0}
 OTHERS = {
@@ -97,7 +98,10 @@ HEADED = "".join(
         "".join(f"wp{n},{x},{y}\n" for n, (x, y) in enumerate(WAVE)),
         "x,y\n" + plain() + ",\n,\n",
     ],
-    ids=["bare", "comment", "excel", "title", "prose", "units", "trailing", "heading", "minus", "named", "blank"],
+    ids=[
+        "bare", "comment", "excel", "title", "prose", "units", "trailing", "heading", "minus", "named",
+        "blank",
+    ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore:.*left out")
 def test_other_ways_to_write_it(tmp_path, text):

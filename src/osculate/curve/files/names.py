@@ -25,6 +25,8 @@ MOST = 64  # names that are tried as x or y: more say nothing
 UNITS = {*LENGTHS, *SPEEDS, *ANGLES, *OTHERS}
 
 PLACE = {
+    "link", "frame", "lane", "road", "line", "gnss", "rtk", "slam", "ekf", "mocap", "vicon", "sim",
+    "filtered", "fused", "mean", "mid", "middle", "r", "rs",
     "pos", "position", "positions", "p", "t", "c", "ref", "reference", "center", "centre",
     "centerline", "coord", "coordinate", "coordinates", "map", "utm", "world", "local",
     "global", "odom", "odometry", "path", "point", "points", "waypoint", "waypoints", "wp",
@@ -40,7 +42,7 @@ FORBIDDEN = {
     "direction", "dir", "size", "offset", "gyro", "imu", "header", "stamp", "left", "right",
     "inner", "outer", "bound", "boundary", "wheel", "color",
 }  # fmt: skip
-_NEAR = "|".join(sorted((w for w in PLACE if len(w) <= 10), key=len, reverse=True))
+_NEAR = "|".join(sorted(PLACE - {"r", "rs"}, key=len, reverse=True))
 _MERGED = re.compile(rf"(?:({_NEAR})([xy])|([xy])(s|{_NEAR}))")
 _SPEED_WORDS = {"v", "vx", "speed", "velocity", "vel", "mps", "kmh", "kph"}
 _SPEED_MORE = {
