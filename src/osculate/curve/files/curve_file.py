@@ -13,7 +13,9 @@ from osculate.curve.files.reading import Reading, read_file
 from osculate.errors import InvalidInput
 from osculate.spec import quantity
 
-DENSE = 16  # samples of the curve for each point, when the points are looked up on it
+DENSE = 16  # samples of the curve for each point, when the points are looked up on it,
+LEAST = 4  # or fewer where there are many points,
+MANY = 200_000  # so that there are no more samples than this
 CHUNK = 2048  # points that are looked up at once
 REACH = 48  # samples to both sides of where a point is expected
 
@@ -118,7 +120,8 @@ def along(curve: Curve, points: Array) -> Array:
     """
     around = np.concatenate([points, points[:1]]) if curve.closed else points
     chords = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(around, axis=0).T))])
-    s = np.linspace(0.0, curve.length, DENSE * len(around) + 1)
+    count = len(around) * max(LEAST, min(DENSE, MANY // len(around)))
+    s = np.linspace(0.0, curve.length, count + 1)
     point = curve.at(s)
     guess = np.rint(chords[: len(points)] / chords[-1] * (len(s) - 1)).astype(int)
     feet = []
