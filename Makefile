@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench mutants format clean
+.PHONY: demo test check docs bench fuzz mutants format clean
 
 demo: $(VENV)/.run
 	$(BIN)/osculate run --output demo
@@ -28,6 +28,9 @@ bench: $(VENV)/.test
 
 mutants: $(VENV)/.test
 	$(BIN)/python scripts/mutants.py
+
+fuzz: $(VENV)/.test
+	$(BIN)/python benchmarks/fuzz_files.py
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .

@@ -7,7 +7,7 @@ from pydantic import Field
 from osculate.curve.composite import Composite, Laps, Part
 from osculate.curve.contract import Curve, CurvePoint
 from osculate.curve.cycloid import Cycloid
-from osculate.curve.files import CurveFile, read_curve
+from osculate.curve.files import CurveFile, Reading, read_curve, read_file
 from osculate.curve.parametric import Parametric
 from osculate.curve.segments import Arc, Chain, Clothoid, Line, Pose, Segment
 from osculate.curve.spline import Nurbs, Spline
@@ -57,9 +57,11 @@ __all__ = [
     "Parametric",
     "Part",
     "Pose",
+    "Reading",
     "Segment",
     "Spline",
     "parse_curve",
     "read_curve",
+    "read_file",
     "tabulate",
 ]

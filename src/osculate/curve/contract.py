@@ -64,6 +64,10 @@ class Curve(Spec):
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """The curve at the arc lengths (m, any shape, clipped to [0, length]), as arrays."""
 
+    def speed_limit(self, arc_length: ArrayLike) -> Array | None:
+        """The curve's own largest speeds (m/s) at arc lengths (m), or None if it says none."""
+        return None
+
     @property
     def total_turn(self) -> float:
         """Heading at the end minus heading at the start (rad)."""
