@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.curve.arclength import ArcLength
+from osculate.curve.arclength import ArcLength, along
 from osculate.curve.composite import Composite, Part
 from osculate.curve.contract import Curve
 from osculate.curve.segments import Pose
-from osculate.curve.spline import DEGREE, Points, Sampled, along
+from osculate.curve.spline import DEGREE, Points, Sampled
 from osculate.errors import NoSolution
 from osculate.spec import quantity
 

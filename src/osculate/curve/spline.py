@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import field_validator, model_validator
 
-from osculate.curve.arclength import ArcLength
+from osculate.curve.arclength import ArcLength, along
 from osculate.curve.contract import Curve, CurvePoint
 from osculate.errors import InvalidInput, NoSolution
 from osculate.spec import quantity
@@ -37,13 +37,6 @@ class Sampled(Curve):
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""
         return self._arc.at(arc_length)
-
-
-def along(spline: Any, panels: int) -> ArcLength:
-    """A SciPy spline with values in the plane, by arc length, smooth between its knots."""
-    derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
-    knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-    return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), knots, panels)
 
 
 class Spline(Sampled):
