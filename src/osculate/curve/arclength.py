@@ -1,7 +1,6 @@
 """Arc length of parametric curves: from derivatives in a parameter to a `CurvePoint` at each s."""
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -61,14 +60,14 @@ class ArcLength:
         self._derivative, self._enclosure = derivative, enclosure
         edges = np.asarray(breaks, dtype=float)
         per_piece = max(2, -(-panels // (len(edges) - 1)))
-        pieces = [np.linspace(a, b, per_piece, endpoint=False) for a, b in pairwise(edges)]
-        first = np.concatenate([*pieces, edges[-1:]])
+        steps = np.arange(per_piece) * (np.diff(edges) / per_piece)[:, None]
+        first = np.append((edges[:-1, None] + steps).ravel(), edges[-1])
         with np.errstate(all="ignore"):
             self._require_motion(first, self._speed(first))
-            self._p, steps = self._resolved(first)
+            self._p, lengths = self._resolved(first)
             speed = self._speed(self._p)
             self._require_motion(self._p, speed)
-        self._s: Array = np.concatenate([[0.0], np.cumsum(steps)])
+        self._s: Array = np.concatenate([[0.0], np.cumsum(lengths)])
         self._slope = 1.0 / speed
         self._last_slope = self._slope[1:].copy()
         self._take_left_sides(edges[1:-1])

@@ -218,7 +218,7 @@ def _compile(name: str, text: str) -> list[tuple[str, Any]]:
         if isinstance(node, tuple):
             programme.append(node)
         elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            programme.append(("number", _number(node.value)))
+            programme.append(("number", _number(node.value)))  # type: ignore[arg-type]
         elif isinstance(node, ast.Name) and node.id in CONSTANTS:
             programme.append(("number", CONSTANTS[node.id]))
         elif isinstance(node, ast.Name) and node.id == "p":

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ValidationInfo, field_validator, model_validator
+from pydantic import field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from osculate.curve.arclength import ArcLength, Derivative
@@ -26,13 +26,13 @@ MOST_PIECES = 1024
 class Parametric(Curve):
     """A curve (x(p), y(p)) for p from ``start`` to ``end``.
 
-    Formulas are strings in ``p`` (``"3 * cos(p)"``, with + - * / ** and the functions of
-    `osculate.curve.formula`); their derivatives are exact. Python functions of one float are replaced by piecewise Chebyshev polynomials that agree to
-    rounding, whose derivatives are then exact.
+    Formulas are strings in ``p``: ``"3 * cos(p)"``, with + - * / ** and the functions listed in
+    `osculate.curve.formula`; their derivatives are exact. Python functions of one float are replaced by
+    piecewise Chebyshev polynomials that agree to rounding, whose derivatives are then exact.
 
     Raises:
-        InvalidInput: A formula that cannot be read, a curve that stops, turns back, jumps or has a pole (says
-            where), a loop whose end does not continue into its start.
+        InvalidInput: A formula that cannot be read, a curve that stops, turns back, jumps or has a pole
+            (says where), a loop whose end does not continue into its start.
         NoSolution: A function too rough to be resolved: it must be smooth.
     """
 
@@ -60,7 +60,7 @@ class Parametric(Curve):
 
     @field_validator("x", "y")
     @classmethod
-    def _readable(cls, given: Any, info: ValidationInfo) -> Any:
+    def _readable(cls, given: Any) -> Any:
         if isinstance(given, str):
             Formula("", given)
         return given
@@ -93,7 +93,11 @@ class Parametric(Curve):
         jumps = (
             (np.hypot(x, y), 1e-6 * arc.length, f"ends {np.hypot(x, y):.4g} m from its start"),
             (turn, 1e-6, f"has a corner of {np.degrees(turn):.4g}° where it closes"),
-            (abs(curvature), 1e-4, f"has a jump of curvature of {curvature:.4g} 1/m where it closes"),
+            (
+                abs(curvature),
+                1e-4,
+                f"has a jump of curvature of {curvature:.4g} 1/m where it closes",
+            ),
         )
         for jump, most, what in jumps:
             if jump > most:
