@@ -59,6 +59,7 @@ class ArcLength:
     ) -> None:
         self._derivative, self._enclosure = derivative, enclosure
         edges = np.asarray(breaks, dtype=float)
+        self._begin = float(edges[0])
         per_piece = max(2, -(-panels // (len(edges) - 1)))
         steps = np.arange(per_piece) * (np.diff(edges) / per_piece)[:, None]
         first = np.append((edges[:-1, None] + steps).ravel(), edges[-1])
@@ -192,7 +193,7 @@ class ArcLength:
             what = "stops or turns back (a cusp)"
         else:
             what = "jumps or has a kink"
-        return _no_motion(f"{what} near p = {p:.9g}")
+        return _no_motion(f"{what} near {self._place(p)}")
 
     def _require_motion(self, p: Array, speed: Array) -> None:
         """Refuse a curve that is not finite, stops or has a pole at an edge of a panel."""
@@ -200,14 +201,22 @@ class ArcLength:
             lost = ~np.isfinite(self._derivative(p, order)).all(axis=1)
             if lost.any():
                 what = ("position", "tangent", "curvature", "rate of the curvature")[order]
-                raise _no_motion(f"its {what} is not finite at p = {p[lost.argmax()]:.9g}")
+                raise _no_motion(f"its {what} is not finite at {self._place(p[lost.argmax()])}")
         if (speed > 1e-12 * speed.max()).all():
             return
         usual = float(np.median(self._speed(np.linspace(p[0], p[-1], 1001))))
         if speed.max() > 1e9 * usual > 0.0:
-            raise _no_motion(f"grows without bound (a pole) near p = {p[speed.argmax()]:.9g}")
+            raise _no_motion(f"grows without bound (a pole) near {self._place(p[speed.argmax()])}")
         least = speed.argmin()
-        raise _no_motion(f"stops: |dr/dp| = {speed[least]:.3g} at p = {p[least]:.9g}")
+        raise _no_motion(f"stops (a cusp, |dr/dp| = {speed[least]:.3g}) at {self._place(p[least])}")
+
+    def _place(self, p: float) -> str:
+        """Where a parameter is, in words; arc length and point only if they are finite."""
+        way = self._derivative(np.linspace(self._begin, p, 1001), 0)
+        s, (x, y) = float(np.hypot(*np.diff(way, axis=0).T).sum()), way[-1]
+        if not np.isfinite([s, x, y]).all():
+            return f"p = {p:.9g}"
+        return f"p = {p:.9g}, s = {s:.4g} m, ({x:.6g}, {y:.6g})"
 
     def _take_left_sides(self, breaks: Array) -> None:
         """Slopes dp/ds before the breaks at which the parameter's speed jumps."""

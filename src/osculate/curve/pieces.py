@@ -20,7 +20,7 @@ class Pieces:
 
     def __init__(self, breaks: Array, coefficients: Array, orders: int = 3) -> None:
         self.breaks = breaks
-        self._orders: list[Array] = [coefficients]
+        self._orders: list[Any] = [coefficients]
         half = (0.5 * np.diff(breaks)).reshape(-1, *[1] * (coefficients.ndim - 1))
         for _ in range(orders):
             self._orders.append(chebyshev.chebder(self._orders[-1], axis=1) / half)

@@ -1,5 +1,7 @@
 """Curves whose curvature is known over arc length: line, arc, clothoid, and chains of them."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, Self
@@ -9,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import field_validator, model_validator
 
 from osculate.curve.contract import Curve, CurvePoint, at_joined
-from osculate.errors import InvalidInput, MissingExtra
+from osculate.errors import InvalidInput, InvalidScenario, MissingExtra, NoSolution
 from osculate.spec import Spec, quantity
 
 Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
+MOST_TURN = 1e6  # rad, in one piece: more is a mistake, and would not fit into memory
+DETOUR = 10.0  # times the distance: a fitted clothoid that is longer goes round in circles
 PANEL_TURN = 0.5  # rad, turn of one panel of quadrature: its error is below 1e-15 of its length
 
 
@@ -137,17 +141,22 @@ class Clothoid(Segmented):
         """The one clothoid from pose to pose (G1 Hermite fit, Bertolazzi and Frego).
 
         Raises:
+            InvalidInput: Start and end are the same place.
+            NoSolution: The clothoid found is no sensible way: it goes round in large circles.
             MissingExtra: The library that fits is not installed.
         """
-        fitted = _pyclothoids().Clothoid.G1Hermite(
-            start.x, start.y, start.heading, end.x, end.y, end.heading
-        )
-        return cls(
-            start=start,
-            distance=fitted.length,
-            start_curvature=fitted.KappaStart,
-            end_curvature=fitted.KappaEnd,
-        )
+        with _fitting(start, end):
+            fitted = _pyclothoids().Clothoid.G1Hermite(
+                start.x, start.y, start.heading, end.x, end.y, end.heading
+            )
+            found = cls(
+                start=start,
+                distance=fitted.length,
+                start_curvature=fitted.KappaStart,
+                end_curvature=fitted.KappaEnd,
+            )
+        _require_arrival(found, start, end)
+        return found
 
     @cached_property
     def spirals(self) -> tuple[Spiral, ...]:
@@ -239,17 +248,24 @@ class Chain(Segmented):
         """Three clothoids from pose to pose with given curvatures at both ends (G2 Hermite fit).
 
         Raises:
+            InvalidInput: Start and end are the same place.
+            NoSolution: The clothoids found are no sensible way: they go round in large circles.
             MissingExtra: The library that fits is not installed.
         """
-        fitted = _pyclothoids().SolveG2(
-            start.x, start.y, start.heading, curvatures[0],
-            end.x, end.y, end.heading, curvatures[1],
-        )  # fmt: skip
-        segments = tuple(
-            Segment(length=part.length, curvature=part.KappaStart, end_curvature=part.KappaEnd)
-            for part in fitted
-        )
-        return cls(start=start, segments=segments, curvature_jump=1e-6)
+        with _fitting(start, end):
+            fitted = _pyclothoids().SolveG2(
+                start.x, start.y, start.heading, curvatures[0],
+                end.x, end.y, end.heading, curvatures[1],
+            )  # fmt: skip
+            segments = tuple(
+                Segment(length=part.length, curvature=part.KappaStart, end_curvature=part.KappaEnd)
+                for part in fitted
+            )
+            found = cls(
+                start=start, segments=segments, curvature_jump=1e-6 * max(1.0, _most(segments))
+            )
+        _require_arrival(found, start, end)
+        return found
 
     @cached_property
     def spirals(self) -> tuple[Spiral, ...]:
@@ -265,7 +281,54 @@ class Chain(Segmented):
 
 
 def _spiral(start: Pose, curvature: float, sharpness: float, length: float) -> Spiral:
+    turn = abs(curvature) * length + abs(sharpness) * length**2
+    if not turn <= MOST_TURN:
+        raise InvalidInput(
+            "curve", f"a piece that turns by up to {turn:.3g} rad over {length:.4g} m",
+            f"must turn by at most {MOST_TURN:g} rad; it would need {turn / PANEL_TURN:.3g} panels",
+        )  # fmt: skip
     return Spiral(start.x, start.y, start.heading, curvature, sharpness, length)
+
+
+def _most(segments: tuple[Segment, ...]) -> float:
+    return max(max(abs(s.curvature), abs(s.last_curvature)) for s in segments)
+
+
+@contextmanager
+def _fitting(start: Pose, end: Pose) -> Iterator[None]:
+    """Refuse poses at one place, and turn what the library or its results raise into one sentence."""
+    distance = float(np.hypot(end.x - start.x, end.y - start.y))
+    if not distance > 1e-9 * max(1.0, abs(start.x), abs(start.y)):
+        raise InvalidInput(
+            "end", f"({end.x:g}, {end.y:g})", "must be another place than the start: no clothoid "
+            "turns on the spot",
+        )  # fmt: skip
+    try:
+        yield
+    except (RuntimeError, InvalidInput, InvalidScenario) as error:
+        raise NoSolution(f"no clothoid leads {_between(start, end)} ({error})") from None
+
+
+def _require_arrival(found: Segmented, start: Pose, end: Pose) -> None:
+    """Check what a library returned: it must end at the end, and not by a large detour."""
+    distance = float(np.hypot(end.x - start.x, end.y - start.y))
+    last = found.at(found.length) if found.length <= DETOUR * distance else None
+    if last is None:
+        raise NoSolution(
+            f"no sensible clothoid leads {_between(start, end)}: the one found is {found.length:.4g} m "
+            f"long for a distance of {distance:.4g} m; put a pose between"
+        )
+    miss = float(np.hypot(last.x - end.x, last.y - end.y))
+    turned = abs(np.exp(1j * float(last.heading)) - np.exp(1j * end.heading))
+    if not (miss <= 1e-6 * distance and turned <= 1e-6):
+        raise NoSolution(
+            f"no clothoid leads {_between(start, end)}: the one found misses the end by {miss:.4g} m"
+        )
+
+
+def _between(start: Pose, end: Pose) -> str:
+    first, last = (f"({p.x:g}, {p.y:g}, {p.heading:.4g} rad)" for p in (start, end))
+    return f"from {first} to {last}"
 
 
 def _pyclothoids() -> Any:

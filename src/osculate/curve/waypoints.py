@@ -125,7 +125,7 @@ def require_forward(points: Array, names: Indices, loop: bool) -> None:
     around = np.concatenate([points[-2:-1], points, points[1:2]]) if loop else points
     turns = np.abs(turns_of(around))
     sharp = np.flatnonzero(turns > ROUND)
-    for n in sharp:
+    for n in sharp.tolist():
         beside = np.delete(turns[max(0, n - 1) : n + 2], min(n, 1))
         wide = around[[max(0, n - 2), n + 1, min(len(around) - 1, n + 4)]]
         if (beside < 1.0).all() and np.abs(turns_of(wide))[0] > 2.0:
