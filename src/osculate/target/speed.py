@@ -9,7 +9,9 @@ With E(s) = v² / 2 the acceleration along the path is E' = dE/ds, and the limit
     jerk:           |v E''| ≤ j_max
 
 The fastest profile minimises ∫ ds / v. Power and jerk are taken at the last iterate, the objective is
-linearised there, and the linear programmes that follow are solved by HiGHS: a few suffice.
+linearised there, and the linear programmes that follow are solved by HiGHS: a few suffice. Nothing is
+faster than the profile without jerk and motors, which two passes give; on long curves where jerk and
+motors seldom bind it is the bound that the solver starts from.
 """
 
 from dataclasses import dataclass
@@ -29,6 +31,8 @@ Array = NDArray[np.float64]
 ITERATIONS = 5
 NODES = 1200  # of the programme; more on long curves is seldom worth its time
 FINEST = 0.01  # m, no step is shorter
+LONG = 5000  # nodes from which on a programme starts from the fastest profile of two passes,
+SELDOM = 0.01  # if jerk and motors would change it at no larger part of the nodes
 
 
 class Limits(Spec):
@@ -97,9 +101,15 @@ class SpeedPlan:
 class _Problem(NamedTuple):
     s: Array
     point: CurvePoint
-    closed: bool
+    around: bool  # whether it is a lap that ends as fast as it starts
     caps: dict[str, Array]  # limit to the largest E
     low: float  # smallest E
+    ends: tuple[float | None, float | None]  # largest E at both ends; None where it is free
+
+    @property
+    def step(self) -> float:
+        """Distance of the nodes (m)."""
+        return float(self.s[1])
 
 
 def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> SpeedPlan:
@@ -121,9 +131,10 @@ def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> S
         )
     problem = _problem(curve, robot, limits)
     energy = _first_guess(problem, limits)
+    most = _known_bound(problem, robot, limits, energy)
     for _ in range(ITERATIONS):
         before = energy
-        energy = _solve(problem, robot, limits, energy)
+        energy = _solve(problem, robot, limits, energy, most)
         if np.abs(energy - before).max() <= 1e-4 * energy.max():
             break
     return SpeedPlan(problem.s, energy, _binding(problem, robot, limits, energy))
@@ -154,23 +165,20 @@ def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
             (limits.steering * act.steering_rate_limit / np.maximum(turning, tiny)) ** 2 / 2.0
         ),
     }
-    return _Problem(s, point, curve.closed, caps, limits.creep**2 / 2.0)
-
-
-def _ends(problem: _Problem, limits: Limits) -> tuple[float | None, float | None]:
-    """Prescribed E at both ends; None where it is free."""
+    low = limits.creep**2 / 2.0
 
     def energy(given: float | None) -> float | None:
         if given is None:
-            return None if problem.closed else problem.low
+            return None if curve.closed else low
         return max(given, limits.creep) ** 2 / 2.0
 
-    return energy(limits.start_speed), energy(limits.end_speed)
+    ends = energy(limits.start_speed), energy(limits.end_speed)
+    return _Problem(s, point, curve.closed and ends == (None, None), caps, low, ends)
 
 
-def _cap(problem: _Problem, limits: Limits) -> Array:
+def _cap(problem: _Problem) -> Array:
     cap: Array = np.maximum(np.min(list(problem.caps.values()), axis=0), problem.low)
-    for place, energy in zip((0, -1), _ends(problem, limits), strict=True):
+    for place, energy in zip((0, -1), problem.ends, strict=True):
         if energy is not None:
             cap[place] = min(cap[place], energy)
     return cap
@@ -178,10 +186,10 @@ def _cap(problem: _Problem, limits: Limits) -> Array:
 
 def _first_guess(problem: _Problem, limits: Limits) -> Array:
     """Forward and backward passes under the caps and the accelerations alone."""
-    energy = _cap(problem, limits)
-    step = problem.s[1]
-    for _ in range(2 if problem.closed else 1):  # the second pass closes the lap
-        if problem.closed:
+    energy = _cap(problem)
+    step = problem.step
+    for _ in range(2 if problem.around else 1):  # the second pass closes the lap
+        if problem.around:
             energy[0] = energy[-1] = min(energy[0], energy[-1])
         for n in range(1, len(energy)):
             energy[n] = min(energy[n], energy[n - 1] + limits.acceleration * step)
@@ -196,7 +204,7 @@ def _drive_rows(
     """Drive force g E' + f E + rolling on every cell, and its bounds: (g, f, low, high), N."""
     act, r = robot.actuators, robot.wheel_radius
     k = 0.5 * (problem.point.curvature[1:] + problem.point.curvature[:-1])
-    dk = np.diff(problem.point.curvature) / problem.s[1]
+    dk = np.diff(problem.point.curvature) / problem.step
     mass = robot.total_mass + 2.0 * robot.wheel_inertia / r**2 + robot.turn_inertia * k**2
     centrifugal = 2.0 * robot.turn_inertia * k * dk
     rolling = act.rolling_resistance * robot.weight
@@ -208,12 +216,23 @@ def _drive_rows(
     return mass, centrifugal, -most - rolling, high - rolling
 
 
-def _solve(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> Array:
-    """One linear programme around the last iterate."""
+def _known_bound(problem: _Problem, robot: Tricycle, limits: Limits, first: Array) -> Array | None:
+    """The first guess as an upper bound, where starting from it saves most of the work."""
+    if len(first) <= LONG:
+        return None
+    use = _use(problem, robot, limits, first)
+    bound = (use["jerk"] > 1.0 + 1e-9) | (use["motor"] > 1.0 + 1e-9)
+    return first.copy() if bound.mean() < SELDOM else None
+
+
+def _solve(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array, most: Array | None
+) -> Array:
+    """One linear programme around the last iterate, below an upper bound if one is known."""
     from scipy.optimize import linprog
     from scipy.sparse import diags_array, vstack
 
-    n, step = len(energy), problem.s[1]
+    n, step = len(energy), problem.step
     slope: Any = diags_array([-1.0 / step, 1.0 / step], offsets=[0, 1], shape=(n - 1, n))
     mean: Any = diags_array([0.5, 0.5], offsets=[0, 1], shape=(n - 1, n))
     mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
@@ -230,14 +249,14 @@ def _solve(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) ->
         jerk,
         jerk,
     ]
-    if problem.closed and limits.start_speed is None and limits.end_speed is None:
+    if problem.around:
         around: Any = diags_array([1.0], offsets=[0], shape=(1, n)) - diags_array(
             [1.0], offsets=[n - 1], shape=(1, n)
         )
         rows += [around, -around]
         bounds += [np.zeros(1), np.zeros(1)]
     gain = (2.0 * np.maximum(energy, problem.low)) ** -1.5
-    cap = _cap(problem, limits)
+    cap = _cap(problem) if most is None else most
     programme: Any = linprog  # its stubs know no sparse matrices
     solved = programme(
         -gain / gain.max(),
@@ -260,9 +279,9 @@ def _diagonal(values: Array) -> Any:
     return diags_array(values)
 
 
-def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> list[str]:
-    """The limit with the least room at every node."""
-    step = problem.s[1]
+def _use(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> dict[str, Array]:
+    """How far every limit is used at every node, 1 where it binds."""
+    step = problem.step
     slope = np.diff(energy) / step
     mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
     force = mass * slope + centrifugal * 0.5 * (energy[1:] + energy[:-1])
@@ -278,10 +297,12 @@ def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) 
     }
     bend = np.abs(np.diff(energy, 2)) / step**2 * np.sqrt(2.0 * energy[1:-1])
     use["jerk"] = np.pad(bend / limits.jerk, 1)
-    names = list(use)
-    table = np.array([use[name] for name in names])
-    chosen: list[str] = []
-    for column, value in zip(table.T, energy, strict=True):
-        most = int(column.argmax())
-        chosen.append("creep" if value <= 1.001 * problem.low else names[most])
-    return chosen
+    return use
+
+
+def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> list[str]:
+    """The limit with the least room at every node."""
+    use = _use(problem, robot, limits, energy)
+    names = np.array(list(use))
+    chosen = names[np.array(list(use.values())).argmax(axis=0)]
+    return np.where(energy <= 1.001 * problem.low, "creep", chosen).tolist()
