@@ -103,6 +103,20 @@ class ArcLength:
             curvature_rate=(bend_rate - 3.0 * bend * stretch / square) / square**2,
         )
 
+    def tight_places(self, most: int = 256) -> Array:
+        """Arc lengths (m) of the largest local maxima of |κ| on the resolved panels, at most so many."""
+        p = np.append(self._p, 0.5 * (self._p[1:] + self._p[:-1]))
+        p.sort()
+        first, second = self._derivative(p, 1), self._derivative(p, 2)
+        bend = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+        bend /= np.hypot(*first.T) ** 3
+        padded = np.concatenate([[-1.0], bend, [-1.0]])
+        peaks = np.flatnonzero((bend >= padded[:-2]) & (bend >= padded[2:]))
+        chosen = np.sort(peaks[np.argsort(-bend[peaks])[:most]])
+        panel = np.clip(np.searchsorted(self._p, p[chosen], side="right") - 1, 0, len(self._p) - 2)
+        places: Array = self._s[panel] + self._length(self._p[panel], p[chosen])
+        return places
+
     def _locate(self, arc_length: ArrayLike) -> tuple[Array, Any, Array]:
         s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
         panel = np.clip(np.searchsorted(self._s, s, side="right") - 1, 0, len(self._s) - 2)

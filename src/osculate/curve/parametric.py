@@ -114,6 +114,11 @@ class Parametric(Curve):
         """See `Curve.length`."""
         return self._arc.length
 
+    @property
+    def tight_places(self) -> Array:
+        """See `Curve.tight_places`."""
+        return self._arc.tight_places()
+
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""
         return self._arc.at(arc_length)

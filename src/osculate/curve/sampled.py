@@ -5,7 +5,7 @@ from functools import cached_property
 from numpy.typing import ArrayLike
 
 from osculate.curve.arclength import ArcLength
-from osculate.curve.contract import Curve, CurvePoint
+from osculate.curve.contract import Array, Curve, CurvePoint
 
 Points = tuple[tuple[float, float], ...]
 
@@ -21,6 +21,11 @@ class Sampled(Curve):
     def length(self) -> float:
         """See `Curve.length`."""
         return self._arc.length
+
+    @property
+    def tight_places(self) -> Array:
+        """See `Curve.tight_places`."""
+        return self._arc.tight_places()
 
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""

@@ -117,7 +117,8 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
         raise InvalidInput("speed", speed, "must be positive (m/s)")
     inner = curve.curve if isinstance(curve, CurveFile) else curve
     given = len(inner.points) if isinstance(inner, Spline) else 0
-    s = np.linspace(0.0, curve.length, max(SAMPLES, 4 * given + 1))
+    even = np.linspace(0.0, curve.length, max(SAMPLES, 4 * given + 1))
+    s = np.union1d(even, inner.tight_places)
     point = curve.at(s)
     bend = np.abs(point.curvature)
     a, act = robot.wheelbase, robot.actuators

@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 ITERATIONS = 5
 NODES = 1200  # of the programme; more on long curves is seldom worth its time
 FINEST = 0.01  # m, no step is shorter
+COARSEST = 0.15  # m, no step is longer
+MOST_NODES = 1_000_000
 LONG = 5000  # nodes from which on a programme starts from the fastest profile of two passes,
 SELDOM = 0.01  # if jerk and motors would change it at no larger part of the nodes
 
@@ -141,20 +143,19 @@ def plan_speed(curve: Curve, robot: Tricycle, limits: Limits | None = None) -> S
 
 
 def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
-    cells = int(np.clip(curve.length / FINEST, 20, max(NODES, curve.length / 0.15)))
+    wanted = np.clip(curve.length / FINEST, 20, max(NODES, curve.length / COARSEST))
+    if not wanted <= MOST_NODES:
+        raise InvalidInput(
+            "curve.length", curve.length, f"a speed plan would need {wanted / 1e6:.3g} M nodes, at most "
+            f"{MOST_NODES / 1e6:g} M: must be at most {MOST_NODES * COARSEST:g} m; drive it in parts, or "
+            "fewer laps",
+        )  # fmt: skip
+    cells = int(wanted)
     s = np.linspace(0.0, curve.length, cells + 1)
     point = curve.at(s)
     act, a = robot.actuators, robot.wheelbase
     bend = np.abs(point.curvature)
-    tightest = np.tan(act.steering_angle_limit) / a
-    if bend.max() > tightest:
-        worst = int(bend.argmax())
-        raise NoSolution(
-            f"the robot cannot follow the curve: at s = {s[worst]:.4g} m it bends with "
-            f"{point.curvature[worst]:.4g} 1/m, which needs a steering angle of "
-            f"{np.degrees(np.arctan(a * bend[worst])):.4g}°; the limit is "
-            f"{np.degrees(act.steering_angle_limit):.4g}°"
-        )
+    _require_steerable(curve, robot, s, point.curvature)
     turning = a * np.abs(point.curvature_rate) / (1.0 + (a * bend) ** 2)
     tiny = 1e-12
     caps = {
@@ -174,6 +175,20 @@ def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
 
     ends = energy(limits.start_speed), energy(limits.end_speed)
     return _Problem(s, point, curve.closed and ends == (None, None), caps, low, ends)
+
+
+def _require_steerable(curve: Curve, robot: Tricycle, s: Array, curvature: Array) -> None:
+    """Refuse a curve that bends more than the robot can, at a node or at a tight place between."""
+    limit, a = robot.actuators.steering_angle_limit, robot.wheelbase
+    places = np.append(s, curve.tight_places)
+    bends = np.append(curvature, curve.at(curve.tight_places).curvature)
+    worst = int(np.abs(bends).argmax())
+    if abs(bends[worst]) > np.tan(limit) / a:
+        raise NoSolution(
+            f"the robot cannot follow the curve: at s = {places[worst]:.4g} m it bends with "
+            f"{bends[worst]:.4g} 1/m, which needs a steering angle of "
+            f"{np.degrees(np.arctan(a * abs(bends[worst]))):.4g}°; the limit is {np.degrees(limit):.4g}°"
+        )
 
 
 def _cap(problem: _Problem) -> Array:

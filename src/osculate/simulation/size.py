@@ -1,0 +1,46 @@
+"""How large a run is, before it begins: one sentence instead of a machine that runs out of memory."""
+
+from osculate.errors import InvalidInput
+from osculate.simulation.clock import Clock, Sampled
+
+MOST_BYTES = 8e9  # of records and lanes together
+MOST_SLOTS = 256  # commands on their way; the machine code grows with them
+
+
+def require_size(field: str, value: object, numbers: float, what: str) -> None:
+    """Refuse to keep more numbers than memory holds.
+
+    Args:
+        field: What the user can lower.
+        value: Its value.
+        numbers: How many numbers would be kept.
+        what: What they are, in words.
+
+    Raises:
+        InvalidInput: More than `MOST_BYTES`; says how many.
+    """
+    if not 8.0 * numbers <= MOST_BYTES:
+        raise InvalidInput(
+            field, value, f"would need {numbers / 1e6:.3g} M numbers ({what}; {8e-9 * numbers:.3g} GB), "
+            f"at most {MOST_BYTES / 8e6:g} M fit: make it smaller",
+        )  # fmt: skip
+
+
+def require_slots(clock: Clock, added: float) -> None:
+    """Refuse a delay of more commands than are kept on their way.
+
+    Args:
+        clock: The clock, with its delay.
+        added: Delay (s) from elsewhere, such as a fault's.
+
+    Raises:
+        InvalidInput: More than `MOST_SLOTS` of them.
+    """
+    if not isinstance(clock, Sampled):
+        return
+    slots = (clock.delay + clock.unknown_delay + added) / clock.period
+    if slots > MOST_SLOTS:
+        raise InvalidInput(
+            "clock.delay", clock.delay, f"would keep {slots:.4g} commands on their way, at most "
+            f"{MOST_SLOTS}: must be at most {MOST_SLOTS * clock.period:g} s with this period",
+        )  # fmt: skip
