@@ -89,18 +89,15 @@ class ArcLength:
         p, panel, fraction = self._locate(arc_length)
         flat = p.ravel()
         r0, r1, r2, r3 = (self._derivative(flat, n).reshape(*p.shape, 2) for n in range(4))
-        square = (r1**2).sum(axis=-1)
-        bend = r1[..., 0] * r2[..., 1] - r1[..., 1] * r2[..., 0]
-        bend_rate = r1[..., 0] * r3[..., 1] - r1[..., 1] * r3[..., 0]
-        stretch = (r1 * r2).sum(axis=-1)
+        curvature, curvature_rate = _bends(r1, r2, r3)
         raw = np.arctan2(r1[..., 1], r1[..., 0])
         near = (1.0 - fraction) * self._heading[panel] + fraction * self._heading[panel + 1]
         return CurvePoint(
             x=r0[..., 0],
             y=r0[..., 1],
             heading=raw + 2.0 * np.pi * np.round((near - raw) / (2.0 * np.pi)),
-            curvature=bend / square**1.5,
-            curvature_rate=(bend_rate - 3.0 * bend * stretch / square) / square**2,
+            curvature=curvature,
+            curvature_rate=curvature_rate,
         )
 
     def tight_places(self, most: int = 256) -> Array:
@@ -211,18 +208,25 @@ class ArcLength:
 
     def _require_motion(self, p: Array, speed: Array) -> None:
         """Refuse a curve that is not finite, stops or has a pole at an edge of a panel."""
-        for order in range(4):
-            lost = ~np.isfinite(self._derivative(p, order)).all(axis=1)
+        r = [self._derivative(p, order) for order in range(4)]
+        self._require_finite(p, {"position": r[0], "tangent": r[1]})
+        if not (speed > 1e-12 * speed.max()).all():
+            usual = float(np.median(self._speed(np.linspace(p[0], p[-1], 1001))))
+            if speed.max() > 1e9 * usual > 0.0:
+                raise _no_motion(
+                    f"grows without bound (a pole) near {self._place(p[speed.argmax()])}"
+                )
+            least = speed.argmin()
+            place = self._place(p[least])
+            raise _no_motion(f"stops (a cusp, |dr/dp| = {speed[least]:.3g}) at {place}")
+        curvature, rate = _bends(r[1], r[2], r[3])
+        self._require_finite(p, {"curvature": curvature, "rate of the curvature": rate})
+
+    def _require_finite(self, p: Array, columns: dict[str, Array]) -> None:
+        for what, values in columns.items():
+            lost = ~np.isfinite(values.reshape(len(p), -1)).all(axis=1)
             if lost.any():
-                what = ("position", "tangent", "curvature", "rate of the curvature")[order]
                 raise _no_motion(f"its {what} is not finite at {self._place(p[lost.argmax()])}")
-        if (speed > 1e-12 * speed.max()).all():
-            return
-        usual = float(np.median(self._speed(np.linspace(p[0], p[-1], 1001))))
-        if speed.max() > 1e9 * usual > 0.0:
-            raise _no_motion(f"grows without bound (a pole) near {self._place(p[speed.argmax()])}")
-        least = speed.argmin()
-        raise _no_motion(f"stops (a cusp, |dr/dp| = {speed[least]:.3g}) at {self._place(p[least])}")
 
     def _place(self, p: float) -> str:
         """Where a parameter is, in words; arc length and point only if they are finite."""
@@ -240,6 +244,15 @@ class ArcLength:
         panel = np.searchsorted(self._p, breaks) - 1
         jumps = np.abs(before - self._last_slope[panel]) > 1e-6 * before
         self._last_slope[panel[jumps]] = before[jumps]
+
+
+def _bends(r1: Array, r2: Array, r3: Array) -> tuple[Array, Array]:
+    """Curvature and its rate over arc length from three derivatives, shape (..., 2) each."""
+    square = (r1**2).sum(axis=-1)
+    bend = r1[..., 0] * r2[..., 1] - r1[..., 1] * r2[..., 0]
+    bend_rate = r1[..., 0] * r3[..., 1] - r1[..., 1] * r3[..., 0]
+    stretch = (r1 * r2).sum(axis=-1)
+    return bend / square**1.5, (bend_rate - 3.0 * bend * stretch / square) / square**2
 
 
 def _no_motion(what: str) -> InvalidInput:

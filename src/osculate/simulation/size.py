@@ -4,7 +4,7 @@ from osculate.errors import InvalidInput
 from osculate.simulation.clock import Clock, Sampled
 
 MOST_BYTES = 8e9  # of records and lanes together
-MOST_SLOTS = 256  # commands on their way; the machine code grows with them
+MOST_SLOTS = 128  # commands on their way; the machine code grows with them
 
 
 def require_size(field: str, value: object, numbers: float, what: str) -> None:
