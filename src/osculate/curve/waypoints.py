@@ -17,9 +17,11 @@ DUPLICATE = 1e-9  # of the whole extent: points closer than this are one
 NEAR = 0.02  # of both neighbouring steps: a step shorter than this joins one point with itself
 END = 0.1  # of the next step: what a step at an end of the list is compared with
 JITTER = np.radians(100.0)  # a robot that moves on turns less from one step to the next
+NOISE = 0.02  # of all points: where more of them turn like that, none of them is a reversal
 ROUND = np.radians(150.0)  # a turn that no forward motion makes on the spot
 FEWEST_TURNS = 5  # of that kind beside each other that make a standstill; noise has fewer
-FEWEST = 12  # points from which on noise can be told from shape
+GAPS = 25, 12, 6, 3  # points from one such turn to the next within a standstill
+FEWEST = 16  # points from which on noise can be told from shape
 
 
 class Merged(NamedTuple):
@@ -66,6 +68,8 @@ def merge(points: Array) -> Merged:
         still.append((int(kept[first]), int(kept[last]), radius))
     for begin, end, _ in still:
         here = (kept >= begin) & (kept <= end)
+        if not here.any():  # one of two that overlap
+            continue
         place = points[kept[here]]
         middle = kept[here][np.hypot(*(place - place.mean(axis=0)).T).argmin()]
         kept = kept[~here | (kept == middle)]
@@ -88,21 +92,31 @@ def _standstills(points: Array) -> list[tuple[int, int]]:
     back = np.flatnonzero(np.abs(turns_of(points)) > JITTER) + 1
     if len(back) < FEWEST_TURNS:
         return []
-    groups = np.split(back, np.flatnonzero(np.diff(back) > 3) + 1)
-    places = [(int(group[0]) - 1, int(group[-1]) + 1, len(group)) for group in groups]
-    steps = steps_of(points)
-    driven = np.ones(len(steps), dtype=bool)
-    for first, last, _ in places:
-        driven[first:last] = False
-    if not driven.any():
-        return []
-    usual = float(np.median(steps[driven]))
-    return [
-        (first, last)
-        for first, last, count in places
-        if count >= max(FEWEST_TURNS, 0.4 * (last - first + 1))
-        and _radius(points[first : last + 1]) <= usual
-    ]
+    for gap in GAPS:  # two standstills may lie close to each other
+        groups = np.split(back, np.flatnonzero(np.diff(back) > gap) + 1)
+        ends = [(int(g[0]), int(g[-1])) for g in groups if len(g) >= FEWEST_TURNS]
+        places = [
+            (a, b) for a, b in ends if np.count_nonzero((back >= a) & (back <= b)) > 0.3 * (b - a)
+        ]
+        driven = np.ones(len(points) - 1, dtype=bool)
+        for first, last in places:
+            driven[first:last] = False
+        usual = float(np.median(steps_of(points)[driven])) if driven.any() else 0.0
+        small = [(a, b) for a, b in places if _radius(points[a : b + 1]) <= usual]
+        if len(small) == len(places):
+            break
+    return [_widened(points, a, b) for a, b in small]
+
+
+def _widened(points: Array, first: int, last: int) -> tuple[int, int]:
+    """A standstill with the points before and after that lie no farther from its middle."""
+    place = points[first : last + 1]
+    away = np.hypot(*(points - place.mean(axis=0)).T) <= 1.2 * _radius(place)
+    while first > 0 and away[first - 1]:
+        first -= 1
+    while last < len(points) - 1 and away[last + 1]:
+        last += 1
+    return first, last
 
 
 def _radius(points: Array) -> float:
@@ -124,6 +138,8 @@ def require_forward(points: Array, names: Indices, loop: bool) -> None:
     """
     around = np.concatenate([points[-2:-1], points, points[1:2]]) if loop else points
     turns = np.abs(turns_of(around))
+    if np.count_nonzero(turns > JITTER) > max(3, NOISE * len(turns)):
+        return
     sharp = np.flatnonzero(turns > ROUND)
     for n in sharp.tolist():
         beside = np.delete(turns[max(0, n - 1) : n + 2], min(n, 1))

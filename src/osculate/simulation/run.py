@@ -21,7 +21,7 @@ from osculate.simulation.clock import Clock, Sampled
 from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.records import DIVERGED, FINISHED, STOPPED
-from osculate.simulation.size import require_size, require_slots
+from osculate.simulation.size import longest, require_size, require_slots
 from osculate.simulation.variables import variables_of
 from osculate.target import Limits, SpeedPlan, Target
 from osculate.vehicle import Tricycle
@@ -173,7 +173,6 @@ TRACKER_WORLD = {
     "clock": Sampled(period=0.01, delay=0.01, duration=600.0),
 }
 
-PATIENCE = 10.0  # times its plan: no path tracker that arrives takes longer
 OPTIONAL = ("sensors", "estimator", "safety")
 PARTS = {
     "curve": Curve,
@@ -216,12 +215,11 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
 
 def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     """Run a closed loop once, recording every step."""
-    clock, plan = loop.setup.clock, loop.plan
-    seconds = (
-        clock.duration if plan is None else min(clock.duration, PATIENCE * plan.duration + 60.0)
+    clock = loop.setup.clock
+    steps, columns = longest(clock, loop.plan) / clock.step, size(loop.row)
+    require_size(
+        "clock.duration", clock.duration, steps * columns, f"{steps:.3g} steps of {columns}"
     )
-    what = f"{seconds / clock.step:.3g} steps of {size(loop.row)}"
-    require_size("clock.duration", clock.duration, seconds / clock.step * size(loop.row), what)
     done = run_block(loop, single_block(loop), every=1, report=report)
     final: Any = final_run(loop, done.runs)
     code = float(final.status.code[0])

@@ -2,9 +2,18 @@
 
 from osculate.errors import InvalidInput
 from osculate.simulation.clock import Clock, Sampled
+from osculate.target import SpeedPlan
 
 MOST_BYTES = 8e9  # of records and lanes together
+PATIENCE = 10.0  # times its plan: no path tracker that arrives takes longer
 MOST_SLOTS = 128  # commands on their way; the machine code grows with them
+
+
+def longest(clock: Clock, plan: SpeedPlan | None) -> float:
+    """How long (s) a run may take: its duration, but no path tracker needs many times its plan."""
+    if plan is None:
+        return clock.duration
+    return min(clock.duration, PATIENCE * plan.duration + 60.0)
 
 
 def require_size(field: str, value: object, numbers: float, what: str) -> None:
