@@ -67,13 +67,13 @@ def test_uneven_points_do_not_bulge(before, after, short, turn, count, side):
         corner + after * out,
     ]
     curve = spline(points)
-    assert curve.polyline_error.largest <= 0.21
+    assert curve.polyline_error.largest <= max(0.21, 0.11 * short)
     assert curve.deviation[0] < 1e-9
     ends = curve.at(np.array([0.0, curve.length]))
     assert math.cos(float(ends.heading[0])) > 0.9
     assert math.cos(float(ends.heading[1]) - side * turn) > 0.9
     assert curve.length < before + count * short + after + 0.5
-    assert np.abs(curve.at(np.linspace(0.0, curve.length, 2001)).curvature).max() < 3.0 / short
+    assert np.abs(curve.at(np.linspace(0.0, curve.length, 2001)).curvature).max() < 5.0 / short
 
 
 def test_uneven_loops_do_not_bulge():
