@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.special import fresnel
 
 from osculate import Arc, Chain, Clothoid, Cycloid, InvalidInput, Line, NoSolution, Pose
+from osculate.curve import segments
 from osculate.curve.approach import EASE, PLACES, USABLE, _moved, _way, dubins, plan_approach
 
 poses = st.builds(Pose, x=st.floats(-2, 2), y=st.floats(-2, 2), heading=st.floats(-4, 4))
@@ -53,6 +54,46 @@ def test_one_place_is_named_and_straight_behind_is_reached(kind):
         assert kind.between(Pose(), Pose(x=-2.0, heading=heading)).length < 20.0
     with pytest.raises(NoSolution, match="long for a distance of 1 m; put a pose between"):
         kind.between(Pose(), Pose(x=-1.0, heading=0.3))
+
+
+class Fitted:
+    """A library that returns something else than it was asked for."""
+
+    XEnd = YEnd = 0.0
+
+    def __init__(self, length, first, last):
+        self.length, self.KappaStart, self.KappaEnd = length, first, last
+        self.Clothoid = self
+
+    def G1Hermite(self, *poses):  # noqa: N802
+        return self
+
+    def SolveG2(self, *poses):  # noqa: N802
+        return [self]
+
+
+@pytest.mark.parametrize("kind", [Clothoid, Chain])
+@pytest.mark.parametrize(
+    ("fitted", "message"),
+    [
+        (Fitted(2.0, 0.0, 0.0), "misses the end by 1 m"),
+        (Fitted(1.0, 0.0, 0.3), "misses the end"),  # the place nearly, the heading not
+        (Fitted(math.nan, 0.0, 0.0), "no clothoid leads"),
+        (Fitted(0.0, 0.0, 0.0), "no clothoid leads"),
+        (Fitted(1.0, math.inf, 0.0), "no clothoid leads"),
+    ],
+)
+def test_what_a_library_returns_is_checked(monkeypatch, kind, fitted, message):
+    monkeypatch.setattr(segments, "_pyclothoids", lambda: fitted)
+    with pytest.raises(NoSolution, match=message):
+        kind.between(Pose(), Pose(x=1.0))
+
+
+@pytest.mark.parametrize("kind", [Clothoid, Chain])
+def test_the_heading_at_the_end_is_checked(monkeypatch, kind):
+    monkeypatch.setattr(segments, "_pyclothoids", lambda: Fitted(1.0, 0.0, 0.0))
+    with pytest.raises(NoSolution, match=r"turned by 11\.46° from it"):
+        kind.between(Pose(), Pose(x=1.0, heading=0.2))
 
 
 def test_a_spiral_of_a_billion_turns_is_refused_by_its_size():

@@ -10,11 +10,12 @@ from osculate.curve.waypoints import steps_of
 Array = NDArray[np.float64]
 
 UNEVEN = 2.5  # times its neighbour: a leg from which on a bulge counts as one
-CORNER = 0.5  # of the shorter leg at a point: how far a curve may leave the polyline there,
+CORNER = 0.6  # of the shorter leg at a point: how far a curve may leave the polyline there,
 WIDENING = 0.02  # m per m of distance from the point more than that,
 WIDEST = 0.2  # m, but never more than this
 LARGE = 0.1  # or this part of the shorter leg
-USED = 0.8  # part of what is allowed that the guides use
+USED = 0.9  # part of what is allowed that the guides use
+REACH = 5.0  # times the shorter leg at a corner: how far from it guides leave the polyline
 GROWTH = 2.0  # of the steps between guides
 
 
@@ -65,10 +66,23 @@ def place(corners: Array, loop: bool, leg: Any, along: Array, wish: Array) -> Ar
     way = np.diff(corners, axis=0)[leg] / steps_of(corners)[leg, None]
     across = np.stack([-way[:, 1], way[:, 0]], axis=1)
     feet = corners[leg] + along[:, None] * way
-    most = USED * allowance(feet, leg, corners, loop)
+    most = USED * allowance(feet, leg, corners, loop) * _nearness(feet, leg, corners, loop)
     aside = np.clip(((wish - feet) * across).sum(axis=1), -most, most)
     guides: Array = feet + (aside * (along > 0.0))[:, None] * across
     return guides
+
+
+def _nearness(feet: Array, leg: Any, corners: Array, loop: bool) -> Array:
+    """1 at a corner, falling over a few times its scale; there is no corner at the ends of a list."""
+    scale = REACH * scales(corners, loop)
+    if not loop:
+        scale[[0, -1]] = 0.0
+    shares = []
+    for n in (leg, leg + 1):
+        away = np.hypot(*(feet - corners[n]).T)
+        shares.append(scale[n] ** 2 / (scale[n] ** 2 + away**2 + 1e-300))
+    nearest: Array = np.maximum(*shares)
+    return nearest
 
 
 def _marks(length: float, first: float, last: float) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from osculate.curve.arclength import ArcLength, Derivative
+from osculate.curve.arclength import ArcLength
 from osculate.curve.contract import Curve, CurvePoint
 from osculate.curve.formula import Formula
 from osculate.curve.pieces import Pieces, nodes_of
@@ -148,6 +148,3 @@ def _sample(name: str, function: Callable[[float], float], p: Array) -> Array:
         where = float(p[~np.isfinite(values)][0])
         raise InvalidInput(name, f"not finite at p = {where:.6g}", "must be finite everywhere")
     return values
-
-
-__all__ = ["Derivative", "Parametric"]

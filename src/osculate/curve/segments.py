@@ -319,10 +319,11 @@ def _require_arrival(found: Segmented, start: Pose, end: Pose) -> None:
             f"long for a distance of {distance:.4g} m; put a pose between"
         )
     miss = float(np.hypot(last.x - end.x, last.y - end.y))
-    turned = abs(np.exp(1j * float(last.heading)) - np.exp(1j * end.heading))
+    turned = abs(np.angle(np.exp(1j * (float(last.heading) - end.heading))))
     if not (miss <= 1e-6 * distance and turned <= 1e-6):
         raise NoSolution(
-            f"no clothoid leads {_between(start, end)}: the one found misses the end by {miss:.4g} m"
+            f"no clothoid leads {_between(start, end)}: the one found misses the end by {miss:.4g} m and "
+            f"is turned by {np.degrees(turned):.4g}° from it"
         )
 
 

@@ -20,7 +20,7 @@ JITTER = np.radians(100.0)  # a robot that moves on turns less from one step to 
 NOISE = 0.02  # of all points: where more of them turn like that, none of them is a reversal
 ROUND = np.radians(150.0)  # a turn that no forward motion makes on the spot
 FEWEST_TURNS = 5  # of that kind beside each other that make a standstill; noise has fewer
-GAPS = 25, 12, 6, 3  # points from one such turn to the next within a standstill
+FARTHEST = 6  # points from one such turn to the next within a standstill
 FEWEST = 16  # points from which on noise can be told from shape
 
 
@@ -92,20 +92,16 @@ def _standstills(points: Array) -> list[tuple[int, int]]:
     back = np.flatnonzero(np.abs(turns_of(points)) > JITTER) + 1
     if len(back) < FEWEST_TURNS:
         return []
-    for gap in GAPS:  # two standstills may lie close to each other
-        groups = np.split(back, np.flatnonzero(np.diff(back) > gap) + 1)
-        ends = [(int(g[0]), int(g[-1])) for g in groups if len(g) >= FEWEST_TURNS]
-        places = [
-            (a, b) for a, b in ends if np.count_nonzero((back >= a) & (back <= b)) > 0.3 * (b - a)
-        ]
-        driven = np.ones(len(points) - 1, dtype=bool)
-        for first, last in places:
-            driven[first:last] = False
-        usual = float(np.median(steps_of(points)[driven])) if driven.any() else 0.0
-        small = [(a, b) for a, b in places if _radius(points[a : b + 1]) <= usual]
-        if len(small) == len(places):
-            break
-    return [_widened(points, a, b) for a, b in small]
+    groups = np.split(back, np.flatnonzero(np.diff(back) > FARTHEST) + 1)
+    ends = [(int(g[0]), int(g[-1])) for g in groups if len(g) >= FEWEST_TURNS]
+    places = [
+        (a, b) for a, b in ends if np.count_nonzero((back >= a) & (back <= b)) > 0.3 * (b - a)
+    ]
+    driven = np.ones(len(points) - 1, dtype=bool)
+    for first, last in places:
+        driven[first:last] = False
+    usual = float(np.median(steps_of(points)[driven])) if driven.any() else 0.0
+    return [_widened(points, a, b) for a, b in places if _radius(points[a : b + 1]) <= usual]
 
 
 def _widened(points: Array, first: int, last: int) -> tuple[int, int]:

@@ -216,10 +216,8 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
 def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     """Run a closed loop once, recording every step."""
     clock = loop.setup.clock
-    steps, columns = longest(clock, loop.plan) / clock.step, size(loop.row)
-    require_size(
-        "clock.duration", clock.duration, steps * columns, f"{steps:.3g} steps of {columns}"
-    )
+    steps, width = longest(clock, loop.plan) / clock.step, size(loop.row)
+    require_size("clock.duration", clock.duration, steps * width, f"{steps:.3g} steps of {width}")
     done = run_block(loop, single_block(loop), every=1, report=report)
     final: Any = final_run(loop, done.runs)
     code = float(final.status.code[0])
