@@ -12,9 +12,7 @@ from osculate.kernel import Grid, Tables, hermite, kernel, locate, lookup
 
 COLUMNS = 7  # x, y, cos θ, sin θ, θ, κ, dκ/ds
 CELLS = 4096  # default resolution
-MOST_BEYOND = (
-    1 << 16
-)  # cells beyond each end; curves far shorter than their margin get coarser ones
+MOST_BEYOND = 1 << 16  # cells beyond each end; a far shorter curve gets coarser ones
 MOST_TURN = 1.0  # rad, within one cell
 MOST_CELLS = 10_000_000  # of one table: 560 MB
 
