@@ -180,13 +180,12 @@ def _enclose_operation(
 
 
 def _compose(outer: tuple[Function, ...], u: Series) -> Series:
-    """The series of f(u) from f and its derivatives (Faà di Bruno)."""
+    """The series of f(u) from f and its derivatives (Faà di Bruno); for u = p most of it vanishes."""
     f = [derivative(u[0]) for derivative in outer[: len(u)]]
-    series = [f[0]]
-    if len(u) > 1:
-        series.append(f[1] * u[1])
-    if len(u) > 2:
-        series.append(f[1] * u[2] + f[2] * u[1] ** 2 / 2.0)
+    if all(np.ndim(part) == 0 and part == 0.0 for part in u[2:]):
+        return [part * u[1] ** k / math.factorial(k) if k else part for k, part in enumerate(f)]
+    second = f[1] * u[2] + f[2] * u[1] ** 2 / 2.0
+    series = [f[0], f[1] * u[1], second]
     if len(u) > 3:
         series.append(f[1] * u[3] + f[2] * u[1] * u[2] + f[3] * u[1] ** 3 / 6.0)
     return series
