@@ -84,14 +84,14 @@ class Fitted:
     ],
 )
 def test_what_a_library_returns_is_checked(monkeypatch, kind, fitted, message):
-    monkeypatch.setattr(segments, "_pyclothoids", lambda: fitted)
+    monkeypatch.setattr(segments, "pyclothoids", lambda: fitted)
     with pytest.raises(NoSolution, match=message):
         kind.between(Pose(), Pose(x=1.0))
 
 
 @pytest.mark.parametrize("kind", [Clothoid, Chain])
 def test_the_heading_at_the_end_is_checked(monkeypatch, kind):
-    monkeypatch.setattr(segments, "_pyclothoids", lambda: Fitted(1.0, 0.0, 0.0))
+    monkeypatch.setattr(segments, "pyclothoids", lambda: Fitted(1.0, 0.0, 0.0))
     with pytest.raises(NoSolution, match=r"turned by 11\.46° from it"):
         kind.between(Pose(), Pose(x=1.0, heading=0.2))
 

@@ -10,7 +10,8 @@ from osculate.curve.cycloid import Cycloid
 from osculate.curve.files import CurveFile, read_curve
 from osculate.curve.nurbs import Nurbs
 from osculate.curve.parametric import Parametric
-from osculate.curve.segments import Arc, Chain, Clothoid, Line, Pose, Segment
+from osculate.curve.segments import Arc, Chain, Clothoid, Line, Segment
+from osculate.curve.spirals import Pose
 from osculate.curve.spline import Spline
 from osculate.curve.table import CurveTable, tabulate
 from osculate.spec import Spec

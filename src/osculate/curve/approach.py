@@ -16,7 +16,7 @@ from osculate.curve.arclength import ArcLength, along
 from osculate.curve.composite import Composite, Part
 from osculate.curve.contract import Curve
 from osculate.curve.sampled import Points, Sampled
-from osculate.curve.segments import Pose
+from osculate.curve.spirals import Pose
 from osculate.curve.spline import DEGREE
 from osculate.errors import NoSolution
 from osculate.spec import quantity

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.curve import interval
-from osculate.curve.interval import Interval
+from osculate.curve.interval import Interval, enclose
 from osculate.errors import InvalidInput
 
 Array = NDArray[np.float64]
@@ -112,7 +111,7 @@ class Formula:
     def enclose(self, start: Array, end: Array) -> Interval:
         """Bounds of the first derivative between two parameters, shape (n,) each."""
         with np.errstate(all="ignore"):
-            low, high = _enclose(self._programme, start, end)
+            low, high = enclose(self._programme, start, end)
         return np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
 
     def _series(self, p: Array, order: int) -> Series:
@@ -130,53 +129,6 @@ class Formula:
                 right, left = stack.pop(), stack.pop()
                 stack.append(_combine(kind, left, right))
         return stack[0]
-
-
-def _enclose(programme: list[tuple[str, Any]], start: Array, end: Array) -> Interval:
-    """What the derivative of a programme lies in for p from start to end, shape (n,) each."""
-    one, zero = (np.float64(1.0),) * 2, (np.float64(0.0),) * 2
-    stack: list[tuple[Interval, Interval]] = []  # of value and derivative
-    for kind, value in programme:
-        if kind == "p":
-            stack.append(((start, end), one))
-        elif kind == "number":
-            stack.append(((np.float64(value),) * 2, zero))
-        elif kind == "call":
-            outer, slope = interval.FUNCTIONS[value]
-            u, du = stack.pop()
-            stack.append((outer(u), interval.multiply(slope(u), du)))
-        elif kind == "-u":
-            u, du = stack.pop()
-            stack.append((interval.negative(u), interval.negative(du)))
-        else:
-            right, left = stack.pop(), stack.pop()
-            stack.append(_enclose_operation(kind, left, right))
-    return stack[0][1]
-
-
-def _enclose_operation(
-    kind: str, left: tuple[Interval, Interval], right: tuple[Interval, Interval]
-) -> tuple[Interval, Interval]:
-    (u, du), (v, dv) = left, right
-    if kind == "+":
-        return interval.add(u, v), interval.add(du, dv)
-    if kind == "-":
-        return interval.add(u, interval.negative(v)), interval.add(du, interval.negative(dv))
-    if kind == "*":
-        product = interval.add(interval.multiply(du, v), interval.multiply(u, dv))
-        return interval.multiply(u, v), product
-    if kind == "/":
-        inverse = interval.reciprocal(v)
-        slope = interval.negative(interval.multiply(dv, interval.power(inverse, 2.0)))
-        return _enclose_operation("*", left, (inverse, slope))
-    if np.ndim(v[0]) == 0:  # an exponent without p
-        slope = interval.multiply((v[0], v[0]), interval.power(u, float(v[0]) - 1.0))
-        return interval.power(u, float(v[0])), interval.multiply(slope, du)
-    outer, log_slope = interval.FUNCTIONS["log"]
-    logarithm = outer(u), interval.multiply(log_slope(u), du)
-    exponent, rate = _enclose_operation("*", right, logarithm)
-    value = interval.FUNCTIONS["exp"][0](exponent)
-    return value, interval.multiply(value, rate)
 
 
 def _compose(outer: tuple[Function, ...], u: Series) -> Series:

@@ -8,7 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 Interval = tuple[Any, Any]
 HALF_PI = 0.5 * np.pi
 
@@ -113,3 +115,52 @@ FUNCTIONS: dict[str, tuple[Callable[[Interval], Interval], Callable[[Interval], 
     "tanh": (_tanh, lambda a: reciprocal(_square(_cosh(a)))),
     "atan": (_atan, lambda a: reciprocal(_plus_one(_square(a)))),
 }
+
+
+def enclose(
+    programme: list[tuple[str, Any]], start: NDArray[np.float64], end: NDArray[np.float64]
+) -> Interval:
+    """What the first derivative of a formula's programme lies in, p from start to end, shape (n,)."""
+    one, zero = (np.float64(1.0),) * 2, (np.float64(0.0),) * 2
+    stack: list[tuple[Interval, Interval]] = []  # of value and derivative
+    for kind, value in programme:
+        if kind == "p":
+            stack.append(((start, end), one))
+        elif kind == "number":
+            stack.append(((np.float64(value),) * 2, zero))
+        elif kind == "call":
+            outer, slope = FUNCTIONS[value]
+            u, du = stack.pop()
+            stack.append((outer(u), multiply(slope(u), du)))
+        elif kind == "-u":
+            u, du = stack.pop()
+            stack.append((negative(u), negative(du)))
+        else:
+            right, left = stack.pop(), stack.pop()
+            stack.append(_operation(kind, left, right))
+    return stack[0][1]
+
+
+def _operation(
+    kind: str, left: tuple[Interval, Interval], right: tuple[Interval, Interval]
+) -> tuple[Interval, Interval]:
+    (u, du), (v, dv) = left, right
+    if kind == "+":
+        return add(u, v), add(du, dv)
+    if kind == "-":
+        return add(u, negative(v)), add(du, negative(dv))
+    if kind == "*":
+        product = add(multiply(du, v), multiply(u, dv))
+        return multiply(u, v), product
+    if kind == "/":
+        inverse = reciprocal(v)
+        slope = negative(multiply(dv, power(inverse, 2.0)))
+        return _operation("*", left, (inverse, slope))
+    if np.ndim(v[0]) == 0:  # an exponent without p
+        slope = multiply((v[0], v[0]), power(u, float(v[0]) - 1.0))
+        return power(u, float(v[0])), multiply(slope, du)
+    outer, log_slope = FUNCTIONS["log"]
+    logarithm = outer(u), multiply(log_slope(u), du)
+    exponent, rate = _operation("*", right, logarithm)
+    value = FUNCTIONS["exp"][0](exponent)
+    return value, multiply(value, rate)

@@ -16,6 +16,7 @@ from osculate.curve.guides import allowance, graded, place, uneven_legs
 from osculate.curve.hints import hints
 from osculate.curve.nurbs import Nurbs
 from osculate.curve.sampled import Points, Sampled
+from osculate.curve.smoothing import DEGREE, smooth
 from osculate.curve.waypoints import (
     Indices,
     distances,
@@ -24,12 +25,11 @@ from osculate.curve.waypoints import (
     require_forward,
     steps_of,
 )
-from osculate.errors import InvalidInput, NoSolution
+from osculate.errors import InvalidInput
 from osculate.spec import quantity
 
 Array = NDArray[np.float64]
 
-DEGREE = 5
 SAMPLES = 8  # of the curve between two points, where its distance from the polyline is measured
 SPLITS = 8  # times that guides are added
 
@@ -133,7 +133,8 @@ class Spline(Sampled):
             corners, own = np.insert(corners, 1, corners.mean(axis=0), axis=0), 2 * own
         chords = np.concatenate([[0.0], np.cumsum(steps_of(corners))])
         if self.tolerance > 0.0 and len(self.waypoints) > DEGREE:
-            return self._smooth(chords, corners, own)
+            spline, u = smooth(chords, corners, self.tolerance, self.loop)
+            return _Fit(spline, u, corners, own)
         fit = _Fit(self._through(chords, corners), chords, corners, own)
         uneven = uneven_legs(corners, self.loop)
         if not uneven.any():
@@ -186,54 +187,6 @@ class Spline(Sampled):
         part = np.tile((np.arange(SAMPLES) + 0.5) / SAMPLES, len(fit.nodes) - 1)
         u = fit.parameters[leg] * (1.0 - part) + fit.parameters[leg + 1] * part
         return np.asarray(fit.spline(u)), leg
-
-    def _smooth(self, u: Array, points: Array, own: Indices) -> _Fit:
-        """The smoothest spline whose distance from every point is within the tolerance.
-
-        Noise makes the chord length of the points too long; the parameters are therefore taken from
-        the first fit's own arc length, at its nearest points, and the fit is repeated.
-        """
-        rough = self._smoothest(u, points)
-        again = self._feet(rough, u, points)
-        if not (np.diff(again) > 0).all():
-            return _Fit(rough, u, points, own)
-        return _Fit(self._smoothest(again, points), again, points, own)
-
-    def _smoothest(self, u: Array, points: Array) -> Any:
-        from scipy.interpolate import BSpline, splprep
-
-        fitted: Any
-        best, low, high = None, 0.0, 2.0 * self.tolerance**2 * len(points)
-        trial = high
-        for _ in range(30):
-            fitted = splprep(points.T, u=u, k=min(DEGREE, len(points) - 1), s=trial, per=self.loop)
-            knots, coefficients, degree = fitted[0]
-            spline = BSpline(knots, np.transpose(coefficients), degree)
-            if np.hypot(*(spline(u) - points).T).max() <= self.tolerance:
-                best, low = spline, trial
-            else:
-                high = trial
-            if best is not None and high - low <= 0.02 * high:
-                break
-            trial = 0.5 * (low + high)
-        if best is None:
-            raise NoSolution(f"no smoothing spline keeps a tolerance of {self.tolerance:g} m")
-        return best
-
-    @staticmethod
-    def _feet(spline: Any, u: Array, points: Array) -> Array:
-        """Arc length (m) of the points of the spline that are nearest to ``points``, in order."""
-        dense = np.linspace(u[0], u[-1], 32 * len(u) + 1)
-        curve = spline(dense)
-        arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))])
-        reach = 64  # samples to both sides: a foot does not jump to another branch
-        feet = np.empty(len(u))
-        for n, middle in enumerate(np.searchsorted(dense, u)):
-            here = slice(max(0, middle - reach), middle + reach + 1)
-            near = np.hypot(*(curve[here] - points[n]).T)
-            feet[n] = arc[here][near.argmin()]
-        feet[0], feet[-1] = 0.0, arc[-1]
-        return np.maximum.accumulate(feet) + 1e-9 * arc[-1] * np.arange(len(u))
 
     @cached_property
     def _arc(self) -> ArcLength:

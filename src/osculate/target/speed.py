@@ -240,11 +240,10 @@ def _known_bound(problem: _Problem, robot: Tricycle, limits: Limits, first: Arra
     return first.copy() if bound.mean() < SELDOM else None
 
 
-def _solve(
-    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array, most: Array | None
-) -> Array:
-    """One linear programme around the last iterate, below an upper bound if one is known."""
-    from scipy.optimize import linprog
+def _inequalities(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array
+) -> tuple[Any, Array]:
+    """Rows and bounds of ``rows @ E ≤ bounds`` around the last iterate."""
     from scipy.sparse import diags_array, vstack
 
     n, step = len(energy), problem.step
@@ -270,13 +269,23 @@ def _solve(
         )
         rows += [around, -around]
         bounds += [np.zeros(1), np.zeros(1)]
+    return vstack(rows, format="csr"), np.concatenate(bounds)
+
+
+def _solve(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array, most: Array | None
+) -> Array:
+    """One linear programme around the last iterate, below an upper bound if one is known."""
+    from scipy.optimize import linprog
+
+    rows, bounds = _inequalities(problem, robot, limits, energy)
     gain = (2.0 * np.maximum(energy, problem.low)) ** -1.5
     cap = _cap(problem) if most is None else most
     programme: Any = linprog  # its stubs know no sparse matrices
     solved = programme(
         -gain / gain.max(),
-        A_ub=vstack(rows, format="csr"),
-        b_ub=np.concatenate(bounds),
+        A_ub=rows,
+        b_ub=bounds,
         bounds=np.stack([np.minimum(problem.low, cap), cap], axis=1),
         method="highs",
     )
