@@ -34,10 +34,9 @@ def hints(points: Array, merged: Merged) -> list[str]:
             f"points {places}{more} lie within {gap:.2g} m of their neighbours, far less than the "
             f"steps around them, and are left out (or give tolerance: {_rounded_up(gap):g})"
         )
-    coarse = rounding(points)
-    found += coarse
+    found += rounding(points)
     noise = noise_of(kept)
-    if noise is not None and not (coarse and not _bends(kept)):
+    if noise is not None:
         bend, tolerance = noise
         found.append(
             f"the points look noisy: the curvature through them changes sign from point to point, up "
@@ -94,10 +93,6 @@ def _curvatures(points: Array) -> Array:
     steps = np.maximum(steps_of(points), 1e-300)
     bends: Array = turns_of(points) / (0.5 * (steps[1:] + steps[:-1]))
     return bends
-
-
-def _bends(points: Array) -> bool:
-    return bool(len(points) > 2 and np.abs(turns_of(points)).max() > 1e-6)
 
 
 def _rounded_up(value: float) -> float:
