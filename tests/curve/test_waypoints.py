@@ -76,6 +76,14 @@ def test_uneven_points_do_not_bulge(before, after, short, turn, count, side):
     assert np.abs(curve.at(np.linspace(0.0, curve.length, 2001)).curvature).max() < 5.0 / short
 
 
+def test_far_from_a_corner_a_long_leg_is_straight():
+    curve = spline([(0, 0), (25, 0), (26, 0), (26, 1), (26, 26)])
+    assert curve.polyline_error.largest > 0.1
+    middle = curve.at(np.linspace(5.0, 15.0, 101))
+    assert np.abs(middle.y).max() < 0.1
+    assert np.abs(curve.at(curve.length - np.linspace(5.0, 15.0, 101)).x - 26.0).max() < 0.1
+
+
 def test_uneven_loops_do_not_bulge():
     curve = spline([(0, 0), (20, 0), (20.4, 0), (20.4, 0.4), (20.4, 15), (0, 15)], loop=True)
     s = np.linspace(0.0, curve.length, 20001)

@@ -160,11 +160,12 @@ class Panels:
 
 def bends_of(r1: Array, r2: Array, r3: Array) -> tuple[Array, Array]:
     """Curvature and its rate over arc length from three derivatives, shape (..., 2) each."""
-    square = (r1**2).sum(axis=-1)
-    bend = r1[..., 0] * r2[..., 1] - r1[..., 1] * r2[..., 0]
-    bend_rate = r1[..., 0] * r3[..., 1] - r1[..., 1] * r3[..., 0]
-    stretch = (r1 * r2).sum(axis=-1)
-    return bend / square**1.5, (bend_rate - 3.0 * bend * stretch / square) / square**2
+    with np.errstate(all="ignore"):  # curves too large for a square of their size are straight
+        square = (r1**2).sum(axis=-1)
+        bend = r1[..., 0] * r2[..., 1] - r1[..., 1] * r2[..., 0]
+        bend_rate = r1[..., 0] * r3[..., 1] - r1[..., 1] * r3[..., 0]
+        stretch = (r1 * r2).sum(axis=-1)
+        return bend / square**1.5, (bend_rate - 3.0 * bend * stretch / square) / square**2
 
 
 def _no_motion(what: str) -> InvalidInput:
