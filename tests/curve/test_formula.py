@@ -100,6 +100,20 @@ def test_positions_belong_to_their_arc_lengths():
 
 
 @pytest.mark.parametrize(
+    ("x", "y"),
+    [
+        ("exp(tanh(p) + p - 37000 * p)", "p"),
+        ("p", "cos(5050 * exp(0 - p))"),
+        ("p", "exp(-4509 * p) * 1.2"),
+        ("cos(sin(E) - 2 * p)**2", "0"),
+    ],
+)
+def test_what_the_fuzzer_found(x, y):
+    """Speeds that fall by factors within a panel; a last halving that resolves everything."""
+    assert fuzz.examine(x, y).kind in ("accepted", "refused")
+
+
+@pytest.mark.parametrize(
     ("x", "y", "message"),
     [
         ("p", "1 / (p - 0.37123)", r"grows without bound \(a pole\) near p = 0\.37123"),

@@ -11,6 +11,8 @@ from osculate.curve.panels import Derivative, Enclosure, Panels, bends_of
 Array = NDArray[np.float64]
 
 _NEWTON_STEPS = 3
+_MORE_STEPS = 20  # where the speed varies so much within a panel that three leave more than
+_CLOSE = 1e-12  # of the whole length
 
 
 class ArcLength:
@@ -100,8 +102,10 @@ class ArcLength:
         p = start + f * (
             first + f * (3.0 * rise - 2.0 * first - last + f * (first + last - 2.0 * rise))
         )
-        for _ in range(_NEWTON_STEPS):
+        for step in range(_NEWTON_STEPS + _MORE_STEPS):
             short = s - self._s[panel] - self._panels.length(start, p)
+            if step >= _NEWTON_STEPS and np.abs(short).max(initial=0.0) <= _CLOSE * self.length:
+                break
             p = np.clip(p + short / self._panels.speed(p), start, end)
         return p, panel, f
 

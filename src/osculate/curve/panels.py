@@ -71,9 +71,7 @@ class Panels:
         length, good = self._examine(start, end)
         most = len(start) + _MOST_PANELS
         for _ in range(_HALVINGS):
-            if good.all():
-                return np.append(start, end[-1]), length
-            if len(start) + np.count_nonzero(~good) > most:
+            if good.all() or len(start) + np.count_nonzero(~good) > most:
                 break
             middle = 0.5 * (start[~good] + end[~good])
             halves = np.append(start[~good], middle), np.append(middle, end[~good])
@@ -85,7 +83,9 @@ class Panels:
             )
             length = np.append(length[good], fresh)[order]
             good = np.append(good[good], fine)[order]
-        raise self._unresolved(start, end, good)
+        if not good.all():
+            raise self._unresolved(start, end, good)
+        return np.append(start, end[-1]), length
 
     def _examine(self, start: Array, end: Array, count: int = 0) -> tuple[Array, Any]:
         """Lengths (m) of panels, and whether each is resolved."""
