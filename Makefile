@@ -31,6 +31,7 @@ mutants: $(VENV)/.test
 
 fuzz: $(VENV)/.test
 	$(BIN)/python benchmarks/fuzz_files.py
+	$(BIN)/python benchmarks/fuzz_formulas.py
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .

@@ -69,6 +69,11 @@ class Curve(Spec):
         return None
 
     @property
+    def tight_places(self) -> Array:
+        """Arc lengths (m) at which it bends most, shape (n,), where even samples may miss them."""
+        return np.empty(0)
+
+    @property
     def total_turn(self) -> float:
         """Heading at the end minus heading at the start (rad)."""
         ends = self.at(np.array([0.0, self.length]))

@@ -10,7 +10,7 @@ import numpy as np
 
 from osculate.curve import Curve, CurveFile
 from osculate.curve.files.source import read_text
-from osculate.curve.spline import Spline
+from osculate.curve.spline import PolylineError, Spline
 from osculate.errors import InvalidInput
 from osculate.simulation.plot import BLUE, ORANGE, RED, new_figure
 from osculate.study.comparison.suite import CURVES
@@ -19,6 +19,7 @@ from osculate.target import Limits
 from osculate.vehicle import Tricycle
 
 SAMPLES = 20001
+SHOWN = 1e-6  # m, distance from the polyline of which the place is told
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Feasibility:
     curvature: tuple[float, float]  # 1/m, smallest and largest
     tightest: float  # m, arc length of the largest |κ|
     deviation: tuple[float, float] | None  # m, largest and RMS distance of given points
+    polyline: PolylineError | None  # m, how far it leaves the polyline through them
     steering_angle: float  # rad, largest that is needed
     steering_angle_limit: float  # rad
     rate_speed: float  # m/s, at which the steering rate limit is reached
@@ -88,6 +90,11 @@ class Feasibility:
         if self.deviation:
             worst, rms = self.deviation
             rows.insert(1, ("distance from the points", f"max {worst:.3g} m, RMS {rms:.3g} m"))
+        if self.polyline:
+            far = self.polyline
+            where = f" near ({far.x:.4g}, {far.y:.4g})" if far.largest > SHOWN else ""
+            told = f"max {far.largest:.3g} m{where}, RMS {far.rms:.3g} m"
+            rows.insert(2, ("distance from the polyline", told))
         return rows
 
     @property
@@ -165,14 +172,16 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
     """
     if not speed > 0:
         raise InvalidInput("speed", speed, "must be positive (m/s)")
-    s = np.linspace(0.0, curve.length, SAMPLES)
+    inner = curve.curve if isinstance(curve, CurveFile) else curve
+    given = len(inner.points) if isinstance(inner, Spline) else 0
+    even = np.linspace(0.0, curve.length, max(SAMPLES, 4 * given + 1))
+    s = np.union1d(even, inner.tight_places)
     point = curve.at(s)
     bend = np.abs(point.curvature)
     a, act = robot.wheelbase, robot.actuators
     turning = a * np.abs(point.curvature_rate) / (1.0 + (a * bend) ** 2)
     worst = int(turning.argmax())
     most = float(max(bend.max(), 1e-12))
-    inner = curve.curve if isinstance(curve, CurveFile) else curve
     lateral = min(Limits().lateral_acceleration, robot.tipping_acceleration)
     able = np.minimum(
         act.steering_rate_limit / np.maximum(turning, 1e-12),
@@ -186,6 +195,7 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
         curvature=(float(point.curvature.min()), float(point.curvature.max())),
         tightest=float(s[bend.argmax()]),
         deviation=inner.deviation if isinstance(inner, Spline) else None,
+        polyline=inner.polyline_error if isinstance(inner, Spline) else None,
         steering_angle=float(np.arctan(a * most)),
         steering_angle_limit=act.steering_angle_limit,
         rate_speed=float(act.steering_rate_limit / max(turning.max(), 1e-12)),

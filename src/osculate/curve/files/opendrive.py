@@ -10,7 +10,8 @@ from osculate.curve.contract import Curve
 from osculate.curve.files.found import Array, Found, Wishes, refuse
 from osculate.curve.files.numbers import decimal
 from osculate.curve.files.pieces import Piece, joined
-from osculate.curve.segments import Clothoid, Line, Pose
+from osculate.curve.segments import Clothoid, Line
+from osculate.curve.spirals import Pose
 
 STEP = 0.25  # m, between the points that a cubic piece is taken at
 MOST = 4000  # points of one cubic piece

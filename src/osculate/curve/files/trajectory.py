@@ -5,7 +5,7 @@ from typing import Any
 
 from osculate.curve.files.found import refuse
 from osculate.curve.files.numbers import number
-from osculate.curve.spline import Nurbs
+from osculate.curve.nurbs import Nurbs
 from osculate.errors import InvalidInput
 
 LONG = 200  # characters of a message: longer ones repeat all points
