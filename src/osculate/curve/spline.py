@@ -90,18 +90,18 @@ class Spline(Sampled):
         return self.loop
 
     @cached_property
-    def _given(self) -> Array:
+    def _raw_points(self) -> Array:
         return np.array(self.points, dtype=float)
 
     @cached_property
     def _kept(self) -> Indices:
         """Which points the curve is made from; tells what was merged and what looks wrong."""
-        merged = merge(self._given)
+        merged = merge(self._raw_points)
         if self.tolerance == 0.0:
-            for sentence in hints(self._given, merged):
+            for sentence in hints(self._raw_points, merged):
                 warnings.warn(sentence, stacklevel=4)
         kept = merged.kept
-        places = self._given[kept]
+        places = self._raw_points[kept]
         if self.loop and len(kept) > 2:
             steps = steps_of(places)
             gap = float(np.hypot(*(places[-1] - places[0])))
@@ -114,7 +114,7 @@ class Spline(Sampled):
     @property
     def waypoints(self) -> Array:
         """The different points (m), shape (n, 2); a loop's first point is not repeated at its end."""
-        return self._given[self._kept]
+        return self._raw_points[self._kept]
 
     @cached_property
     def _corners(self) -> Array:
@@ -206,19 +206,19 @@ class Spline(Sampled):
         """Largest and root-mean-square distance (m) of the points, merged ones too, from the curve."""
         fit = self._fit
         spline, first, second = fit.spline, fit.spline.derivative(1), fit.spline.derivative(2)
-        place = np.searchsorted(self._kept, np.arange(len(self._given)), side="right") - 1
+        place = np.searchsorted(self._kept, np.arange(len(self._raw_points)), side="right") - 1
         foot = fit.parameters[fit.own[place]]
-        away = np.hypot(*(np.asarray(spline(foot)) - self._given).T)
+        away = np.hypot(*(np.asarray(spline(foot)) - self._raw_points).T)
         reach = 2.0 * away / np.hypot(*np.asarray(first(foot)).T)  # no nearer point lies beyond
         low = np.maximum(foot - reach, fit.parameters[0])
         high = np.minimum(foot + reach, fit.parameters[-1])
         for _ in range(4):  # Newton, from the parameter of a point to its foot
-            off, tangent = np.asarray(spline(foot)) - self._given, np.asarray(first(foot))
+            off, tangent = np.asarray(spline(foot)) - self._raw_points, np.asarray(first(foot))
             square = (tangent**2).sum(axis=1)
             slope = square + (off * np.asarray(second(foot))).sum(axis=1)
             step = (off * tangent).sum(axis=1) / np.maximum(slope, 0.1 * square)
             foot = np.clip(foot - step, low, high)
-        distance = np.hypot(*(np.asarray(spline(foot)) - self._given).T)
+        distance = np.hypot(*(np.asarray(spline(foot)) - self._raw_points).T)
         return float(distance.max()), float(np.sqrt((distance**2).mean()))
 
 
