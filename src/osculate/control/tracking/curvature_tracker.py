@@ -11,7 +11,7 @@ In the path frame (lateral error y, heading error e, q = 1 − κ y, ' = d/ds):
 
 This is geometric: the paths that the robot takes back to the curve do not depend on its speed, and nothing
 is divided by κ. φ_d, its rate and its acceleration are taken along the ideal motion from the pose at which
-the decision will act (`look_ahead`), in the middle of the period for which it is held. The servo's inverse is
+the decision will act (`look_ahead`), in the middle of the period for which it is held. Its inverse is
 
     φ_c = φ_d + (2ζ/ω) φ̇_d + φ̈_d/ω² + g (φ − φ_d) + g' (φ̇ − φ̇_d)
 
