@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench tables format clean
+.PHONY: demo test check docs bench tables fuzz mutants format clean
 
 demo: $(VENV)/.run
 	$(BIN)/osculate run --output demo
@@ -28,6 +28,13 @@ bench: $(VENV)/.test
 
 tables: $(VENV)/.test
 	$(BIN)/python scripts/tables.py
+
+mutants: $(VENV)/.test
+	$(BIN)/python scripts/mutants.py
+
+fuzz: $(VENV)/.test
+	$(BIN)/python benchmarks/fuzz_files.py
+	$(BIN)/python benchmarks/fuzz_formulas.py
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .

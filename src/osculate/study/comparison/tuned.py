@@ -48,4 +48,4 @@ def trackers_for(robot: Tricycle) -> dict[str, PathTracker]:
 
 
 def _with(law: PathTracker, fields: dict[str, float]) -> PathTracker:
-    return type(law)(**{**law.model_dump(), **fields}) if fields else law
+    return law.but(**fields)
