@@ -38,14 +38,10 @@ def trackers_for(robot: Tricycle) -> dict[str, PathTracker]:
     for name, known in VEHICLES.items():
         if robot == known:
             fields = TUNED[name]
-            return {kind: _with(law, fields.get(kind, {})) for kind, law in TRACKERS.items()}
+            return {kind: law.but(**fields.get(kind, {})) for kind, law in TRACKERS.items()}
     warnings.warn(
         "the baselines are not tuned for this robot, they have the defaults of the paper's; "
         "`osculate.tune(law, robot=robot)` tunes one",
         stacklevel=3,
     )
     return dict(TRACKERS)
-
-
-def _with(law: PathTracker, fields: dict[str, float]) -> PathTracker:
-    return law.but(**fields)
