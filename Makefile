@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench format clean
+.PHONY: demo test check docs bench fuzz format clean
 
 demo: $(VENV)/.run
 	$(BIN)/osculate run --output demo
@@ -25,6 +25,9 @@ docs: $(VENV)/.dev
 
 bench: $(VENV)/.test
 	$(BIN)/python benchmarks/speed.py
+
+fuzz: $(VENV)/.test
+	$(BIN)/python benchmarks/fuzz_stepper.py --steps 10000000
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from random import Random
 
 import numpy as np
-from control.kinematic import IDLE, Corrupter, Robot, Senses
 
+from control.kinematic import IDLE, Corrupter, Robot, Senses
 from osculate import (
     CurvatureTracker,
     Ekf,
@@ -28,6 +28,7 @@ from osculate.vehicle.motion import Motion
 PERIOD = 0.01  # s
 WIDTH = 0.3  # m, half width of the corridor
 SLACK = 1e-9
+MOVES = 0.05  # m/s, faster than a robot at rest
 LAWS = {
     "curvature-tracker": CurvatureTracker, "lqr-preview": PreviewLqr, "pure-pursuit": PurePursuit,
     "lqr": FeedforwardLqr, "kanayama": Kanayama, "stanley": Stanley,
@@ -91,7 +92,9 @@ class Watch:
 
     case: Case
     counts: Counter = field(default_factory=Counter)
-    last: object = None
+    last: object = None  # command
+    widest: float = 0.0  # m, largest distance from the curve
+    robot: object = None
     stopped: bool = False
     rested: bool = False
 
@@ -122,15 +125,15 @@ def episode(case, seed, steps, **drawn):
     """One run with something wrong: what was counted, and the corrupter."""
     random = Random(seed)
     robot = case.begin()
-    random_noise = random.choice((0.0, 1.0)) if case.estimates else 0.0
-    senses = Senses(robot, random, noise=random_noise, latency=random.choice((0, 0, 3)))
+    noise, latency = random.choice((0.0, 1.0)), random.choice((0, 0, 3))
+    senses = Senses(robot, random, noise=noise, latency=latency)
     names = SENSED if case.estimates else MOTION
     corrupter = Corrupter.drawn(random, names, steps, **drawn)
     return run(case, robot, senses, corrupter, steps), corrupter
 
 
 def run(case, robot, senses, corrupter, steps, disturb=None):
-    """A closed loop; `Counter` of what was wrong, with the largest distance from the curve (mm)."""
+    """A closed loop; returns its `Watch`."""
     watch, places, located = Watch(case), [], False
     acting = IDLE._replace(steering_angle=robot.angle)
     for n in range(steps):
@@ -145,18 +148,20 @@ def run(case, robot, senses, corrupter, steps, disturb=None):
         acting = command
         places.append((robot.x, robot.y))
     gaps = case.away(places[::5])
-    watch.counts["corridor exits"] += bool(case.guarded and gaps.max() > case.width)
-    watch.counts["moves after a stop"] += bool(watch.rested and abs(robot.speed) > 0.05)
+    watch.robot, watch.widest = robot, float(gaps.max())
+    watch.counts["corridor exits"] += case.guarded and watch.widest > case.width
+    watch.counts["moves after a stop"] += watch.rested and abs(robot.speed) > MOVES
     watch.counts["steps"] += steps
-    watch.widest = float(gaps.max())
-    watch.robot = robot
     return watch
+
+
+def faults_of(watch):
+    """What was counted and must not be: name to count."""
+    counts = watch if isinstance(watch, Counter) else watch.counts
+    return {name: count for name, count in counts.items() if count and name != "steps"}
 
 
 def readable(measured):
     """Whether a pose could be in a measurement."""
-    if isinstance(measured, Measurement):
-        values = measured.fix or (None,)
-    else:
-        values = measured
+    values = (measured.fix or (None,)) if isinstance(measured, Measurement) else measured
     return all(v is not None and np.isfinite(v) for v in values)
