@@ -6,7 +6,7 @@ from random import Random
 
 import numpy as np
 
-from control.kinematic import IDLE, Corrupter, Robot, Senses
+from control.kinematic import IDLE, Corrupter, Robot, Senses, Span
 from osculate import (
     CurvatureTracker,
     Ekf,
@@ -153,6 +153,23 @@ def run(case, robot, senses, corrupter, steps, disturb=None):
     watch.counts["moves after a stop"] += watch.rested and abs(robot.speed) > MOVES
     watch.counts["steps"] += steps
     return watch
+
+
+def corrected(robot, curve, speed, width, *, estimates, seed):
+    """Message of the stop of a robot whose poses are corrected by 2 to 5 cm now and then; empty if none.
+
+    A correction is a step of what is measured: the robot is where it is believed to be only afterwards.
+    """
+    case = Case("curvature-tracker", estimates, True, robot, curve, speed, width=width)
+    random = Random(seed)
+    driven, spans = case.begin(), []
+    steps = int(min(case.path.length / speed * 1.6 + 4.0, 60.0) / PERIOD)
+    for begin in range(200, steps, 400):
+        size = random.choice((-1.0, 1.0)) * random.uniform(0.02, 0.05)
+        name = random.choice(("x", "y"))
+        spans.append(Span(name, "jump", begin, begin + 200, size))
+    run(case, driven, Senses(driven, random), Corrupter(tuple(spans), random), steps)
+    return case.stepper.message if case.stepper.stopping else ""
 
 
 def faults_of(watch):
