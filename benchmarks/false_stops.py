@@ -1,7 +1,7 @@
 """False and missing stops of the safety layer, on all robots of the catalogue.
 
     python benchmarks/false_stops.py            # everything
-    python benchmarks/false_stops.py --quick    # two speeds, no batches of faults
+    python benchmarks/false_stops.py --quick    # two speeds
 
 A false stop is one where nothing is wrong: ideal, noisy, with a fifth more mass, and with poses that are
 corrected by 2 to 5 cm. A missing one is a robot with a fault that leaves its corridor although a stop from
@@ -39,11 +39,13 @@ from osculate.vehicle.catalogue import VEHICLES
 SPEEDS = (0.5, 1.0, 1.5, 2.0)
 WIDTHS = (0.1, 0.3)
 WHEN = 2.0  # s, at which faults begin
+RECORD = 20  # steps between two rows of a record
+LATE = "60 ms late"
 CLOCK = Sampled(period=0.01, delay=0.01, duration=60.0)
 FAULTS = {
     "stuck steering": StuckSteering(time=WHEN),
     **{f"no {s}": SensorLoss(sensor=s, time=WHEN) for s in ("pose", "wheels", "steering", "gyro")},
-    "60 ms late": Late(delay=0.06),
+    LATE: Late(delay=0.06),
 }
 
 
@@ -57,37 +59,40 @@ def cells(robots, speeds, widths):
         yield from itertools.product((robot,), (curve,), speeds, widths)
 
 
-def drive(work, faults=None, noisy=False, record_every=0):
-    """A guarded batch, one run for every cell; ``faults`` makes those of a robot."""
-    seen = [Sensors(seed=n) for n in range(len(work))] if noisy else None
-    return simulate_batch(
-        [CURVES[c] for _, c, _, _ in work],
-        [VEHICLES[r] for r, _, _, _ in work],
-        limits=[Limits(speed=v) for _, _, v, _ in work],
-        safety=[Safety(half_width=w) for _, _, _, w in work],
+def drive(work, conditions, noisy):
+    """A guarded batch of every cell under every condition, and its runs' (condition, cell)."""
+    runs = list(itertools.product(conditions, work))
+    cells = [cell for _, cell in runs]
+    sensors = {"sensors": [Sensors(seed=n) for n in range(len(runs))]} if noisy else {}
+    batch = simulate_batch(
+        [CURVES[c] for _, c, _, _ in cells],
+        [VEHICLES[r] for r, _, _, _ in cells],
+        limits=[Limits(speed=v) for _, _, v, _ in cells],
+        safety=[Safety(half_width=w) for _, _, _, w in cells],
         controller=CurvatureTracker(),
-        faults=[faults(VEHICLES[r]) if faults else () for r, _, _, _ in work],
+        faults=[conditions[name](VEHICLES[cell[0]]) for name, cell in runs],
         clock=CLOCK,
-        record_every=record_every,
-        **({"sensors": seen} if noisy else {}),
+        record_every=RECORD,
+        **sensors,
     )
+    return batch, runs
+
+
+def nothing(robot):
+    return ()
 
 
 def heavier(robot):
     return (Payload(mass=0.2 * robot.total_mass),)
 
 
-def false_stops(work):
-    """Number of stops, and which, for every condition in which nothing is wrong."""
-    conditions = {
-        "ideal": {}, "payload": {"faults": heavier}, "noisy": {"noisy": True},
-        "noisy, payload": {"faults": heavier, "noisy": True},
-    }  # fmt: skip
+def report_false(batch, runs, names):
+    """Number of stops where nothing is wrong; prints which."""
     total = 0
-    for name, condition in conditions.items():
-        ended = drive(work, **condition).metrics.ended
-        wrong = [(cell, e) for cell, e in zip(work, ended, strict=True) if e != "path end"]
-        print(f"{name:18}{len(work):5d} runs {len(wrong):5d} stopped", flush=True)
+    for name in names:
+        mine = [(c, e) for (n, c), e in zip(runs, batch.metrics.ended, strict=True) if n == name]
+        wrong = [(cell, end) for cell, end in mine if end != "path end"]
+        print(f"{name:18}{len(mine):5d} runs {len(wrong):5d} stopped", flush=True)
         for cell, end in wrong:
             print("   ", *cell, end)
         total += len(wrong)
@@ -123,41 +128,41 @@ def would_leave(row, names, cell):
     return max(np.hypot(point.x - a, point.y - b).min() for a, b in zip(px, py, strict=True))
 
 
-def missing_stops(work):
-    """Number of exits where a stop would have stayed inside, for every fault."""
-    total = 0
-    for name, fault in FAULTS.items():
-        batch = drive(work, lambda robot, fault=fault: (fault,), noisy=True, record_every=10)
-        names = [v.name for v in batch.variables]
-        begin = int(np.searchsorted(batch.time, WHEN))
-        exits, avoidable = 0, []
-        for cell, far, record in zip(
-            work, batch.metrics.cross_track_max, batch.record, strict=True
-        ):
-            if far > cell[3]:
-                exits += 1
-                reach = would_leave(record[min(begin, len(record) - 1)], names, cell)
-                if reach < cell[3] or name == "60 ms late":
-                    avoidable.append((*cell, f"{far:.3f} m, a stop at once {reach:.3f} m"))
-        ended = Counter(batch.metrics.ended)
-        print(
-            f"{name:18}{len(work):5d} runs {exits:5d} exits {len(avoidable):5d} avoidable",
-            dict(ended),
-            flush=True,
-        )
-        for cell in avoidable:
-            print("   ", *cell)
-        total += len(avoidable)
-    return total
+def report_missing(batch, runs, name):
+    """Number of exits with a fault where a stop would have stayed inside; prints which."""
+    variables = [v.name for v in batch.variables]
+    begin = int(np.searchsorted(batch.time, 0.0 if name == LATE else WHEN))
+    ended, exits, avoidable = Counter(), 0, []
+    for n, (fault, cell) in enumerate(runs):
+        if fault != name:
+            continue
+        ended[str(batch.metrics.ended[n])] += 1
+        far = float(batch.metrics.cross_track_max[n])
+        if far > cell[3]:
+            exits += 1
+            reach = would_leave(batch.record[n, begin], variables, cell)
+            if reach < cell[3]:
+                avoidable.append((*cell, f"{far:.3f} m; a stop at once: {reach:.3f} m"))
+    print(f"{name:18}{exits:5d} exits {len(avoidable):5d} avoidable", dict(ended), flush=True)
+    for cell in avoidable:
+        print("   ", *cell)
+    return len(avoidable)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--quick", action="store_true", help="two speeds only")
+    parser.add_argument("--robots", default=",".join(VEHICLES), help="names, with commas between")
     given = parser.parse_args()
-    work = list(cells(VEHICLES, SPEEDS[::2] if given.quick else SPEEDS, WIDTHS))
-    count = false_stops(work) + corrections(work[:: 4 if given.quick else 1])
-    count += 0 if given.quick else missing_stops(work)
+    work = list(cells(given.robots.split(","), SPEEDS[1:3] if given.quick else SPEEDS, WIDTHS))
+    batch, runs = drive(work, {"ideal": nothing, "payload": heavier}, noisy=False)
+    count = report_false(batch, runs, ("ideal", "payload"))
+    seen = {"noisy": nothing, "noisy, payload": heavier}
+    stops = {name: lambda robot, fault=fault: (fault,) for name, fault in FAULTS.items()}
+    batch, runs = drive(work, seen | stops, noisy=True)
+    count += report_false(batch, runs, seen)
+    count += sum(report_missing(batch, runs, name) for name in FAULTS)
+    count += corrections(work)
     return 1 if count else 0
 
 
