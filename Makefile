@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench fuzz format clean
+.PHONY: demo test check docs bench fuzz mutants format clean
 
 demo: $(VENV)/.run
 	$(BIN)/osculate run --output demo
@@ -26,7 +26,12 @@ docs: $(VENV)/.dev
 bench: $(VENV)/.test
 	$(BIN)/python benchmarks/speed.py
 
+mutants: $(VENV)/.test
+	$(BIN)/python scripts/mutants.py
+
 fuzz: $(VENV)/.test
+	$(BIN)/python benchmarks/fuzz_files.py
+	$(BIN)/python benchmarks/fuzz_formulas.py
 	$(BIN)/python benchmarks/fuzz_stepper.py --steps 10000000
 
 format: $(VENV)/.dev

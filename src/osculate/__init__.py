@@ -35,9 +35,11 @@ if TYPE_CHECKING:
     from osculate.curve import Nurbs as Nurbs
     from osculate.curve import Parametric as Parametric
     from osculate.curve import Pose as Pose
+    from osculate.curve import Reading as Reading
     from osculate.curve import Segment as Segment
     from osculate.curve import Spline as Spline
     from osculate.curve import read_curve as read_curve
+    from osculate.curve import read_file as read_file
     from osculate.errors import InvalidInput as InvalidInput
     from osculate.errors import InvalidScenario as InvalidScenario
     from osculate.errors import MissingExtra as MissingExtra
@@ -128,9 +130,11 @@ _ROOMS = {
         "Nurbs",
         "Parametric",
         "Pose",
+        "Reading",
         "Segment",
         "Spline",
         "read_curve",
+        "read_file",
     ),
     "errors": (
         "InvalidInput",

@@ -6,6 +6,7 @@ physical quantities one way to state their unit.
 """
 
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from typing import Any, Self
 
 import pydantic
@@ -53,6 +54,49 @@ class Spec(BaseModel):
         if not isinstance(fields, Mapping):
             raise InvalidInput(cls.__name__, fields, "must be a mapping of fields to values")
         return cls(**{str(key): value for key, value in fields.items()})
+
+    def but(self, **changes: Any) -> Self:
+        """A copy with other values of some fields, as valid as a new one.
+
+        It equals what writing the object again with these values would make: nothing that was computed from
+        the old values goes along, and fields that were never given keep following their defaults.
+
+        Args:
+            **changes: Fields and their new values.
+
+        Raises:
+            InvalidInput: One value is wrong, or no such field.
+            InvalidScenario: Several are wrong.
+        """
+        return type(self)(**{**self._given(), **changes})
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """`but` under the name that pydantic gives it; ``deep`` copies the kept values as well."""
+        given = deepcopy(self._given()) if deep else self._given()
+        return type(self)(**{**given, **(update or {})})
+
+    def _given(self) -> dict[str, Any]:
+        names = (name for name in type(self).model_fields if name in self.model_fields_set)
+        return {name: getattr(self, name) for name in names}
+
+    def __eq__(self, other: object) -> bool:
+        """Same class, same fields; what was computed from them (arrays, often) is not compared."""
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(getattr(self, name) for name in type(self).model_fields)))
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """What a pickle holds: the fields, and descriptions read from elsewhere (the curve in a file)."""
+        state = super().__getstate__()
+        kept = {
+            name: value
+            for name, value in state["__dict__"].items()
+            if name in type(self).model_fields or isinstance(value, Spec)
+        }
+        return {**state, "__dict__": kept}
 
 
 def explain(error: pydantic.ValidationError, spec: type[BaseModel]) -> OsculateError:

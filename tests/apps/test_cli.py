@@ -1,6 +1,7 @@
 """The command line: what it prints, what it writes, how it fails."""
 
 import json
+import math
 import subprocess
 import sys
 
@@ -139,6 +140,8 @@ def test_compare_and_tune(tmp_path):
         (("compare", "--speeds", "fast"), "speeds = 'fast': must be positive numbers"),
         (("tune", "curvature"), "controller = 'curvature': must be one of"),
         (("curve", "corner", "--robot", "bus"), "robot = 'bus': must be one of paper, tugger"),
+        (("curve", "corner", "--loop"), "loop = True: is for curves from files; corner is none"),
+        (("curve", "corner", "--columns", "2"), "columns = '2': must be two numbers from 1"),
         (("curve", "corner", "--speed", "-1"), "speed = -1.0: must be positive (m/s)"),
         (("run", "nowhere.yaml"), "must be a YAML file or one of"),
     ],
@@ -153,3 +156,60 @@ def test_a_curve_that_the_robot_cannot_follow_is_said_so(tmp_path):
     path = tmp_path / "tight.csv"
     path.write_text("0,0\n0.05,0.05\n0,0.1\n", encoding="utf-8")
     assert "cannot follow the curve" in osculate("curve", path, code=1).stdout.replace("\n", " ")
+
+
+def wave(column=""):
+    rows = (f"{n / 4},{0.8 * math.sin(math.pi * n / 12)}{column}" for n in range(49))
+    return "\n".join(rows) + "\n"
+
+
+def test_curve_says_what_it_understood(tmp_path):
+    path = tmp_path / "wave.csv"
+    path.write_text("y_mm;x_mm;vx_mps\n" + "\n".join(
+        f"{800 * math.sin(math.pi * n / 12)};{250 * n};0.4" for n in range(49)
+    ), encoding="utf-8")  # fmt: skip
+    shown = osculate("curve", path).stdout
+    assert "format: table with semicolons\n" in shown
+    assert "columns: x_mm, y_mm (columns 2 and 1)\n" in shown
+    assert "points: 49\n" in shown
+    assert "units: mm\n" in shown
+    assert "ends: open: its ends are 12 m apart" in shown
+    assert "speeds: vx_mps is in the file and not used; --speeds keeps to it" in shown
+    assert "13.8" in shown
+    capped = osculate("curve", path, "--speeds", "--speed", "5").stdout
+    assert "not used" not in capped
+    assert "speeds of the file" in capped
+    assert "or the file's speed, whichever is less, everywhere." in capped.replace("\n", " ")
+    assert "but not at 5 m/s" in osculate("curve", path, "--speed", "5").stdout
+
+
+def test_curve_takes_columns_and_ends_as_told(tmp_path):
+    path = tmp_path / "log.csv"
+    rows = [f"{n},{line}" for n, line in enumerate(wave().split())]
+    path.write_text("\n".join(rows), encoding="utf-8")
+    refused = osculate("curve", path, code=2).stderr.replace("\n", " ")
+    assert "column 1 counts 0, 1, 2, …" in refused
+    assert "--columns 2,3" in refused
+    assert "13.8" in osculate("curve", path, "--columns", "2,3").stdout
+    ring = tmp_path / "ring.csv"
+    turns = [2 * math.pi * n / 40 for n in range(40)]
+    ring.write_text(
+        "\n".join(f"{3 * math.cos(a)},{3 * math.sin(a)}" for a in turns), encoding="utf-8"
+    )
+    assert "ends: closed: its ends are" in osculate("curve", ring).stdout
+    assert "ends: open: as told (--no-loop)" in osculate("curve", ring, "--no-loop").stdout
+    assert "ends: closed: as told" in osculate("curve", path, "--columns", "2,3", "--loop").stdout
+
+
+def test_curve_inspects_a_scenario_with_its_own_robot(tmp_path):
+    (tmp_path / "way.csv").write_text("x,y\n" + wave(), encoding="utf-8")
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "robot: forklift\ncurve: {kind: file, path: way.csv, speeds: false}\nscene: {obstacles: []}\n"
+        "controller: {kind: pure-pursuit}\n",
+        encoding="utf-8",
+    )
+    own = osculate("curve", path).stdout
+    assert "columns: x, y" in own
+    assert "of 80.21°" in own  # the forklift's limit
+    assert "of 70°" in osculate("curve", path, "--robot", "paper").stdout

@@ -9,7 +9,7 @@ import pytest
 
 from osculate.errors import OsculateError
 from osculate.kernel import compose
-from osculate.kernel.compose import cache_directory
+from osculate.kernel.folder import cache_directory
 
 TEMPLATE = "osculate.simulation.templates.rk4"
 

@@ -102,3 +102,23 @@ def test_an_impossible_cycloid_says_what_would_do(tmp_path):
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InvalidInput, match="must be a YAML file or one of: paper, paper-disturbed"):
         Scenario.load("papr")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name: a\nname: b\n", "line 2.*'name' is there twice"),
+        ("limits: {speed: 010}\n", "line 1.*010 is not the same number everywhere"),
+        ("limits: {speed: 1:30}\n", "line 1.*1:30 is not the same"),
+        ("limits: {speed: 0x1F}\n", "line 1.*0x1F"),
+        ("a: " + "[" * 5000, "nested more than"),
+        ("a: &a [1]\n" + "".join(f"b{n}: &a [{'*a, ' * 9}*a]\n" for n in range(9)), "too large"),
+    ],
+)
+def test_scenarios_are_read_strictly(tmp_path, text, message):
+    with pytest.raises(InvalidInput, match=message):
+        Scenario.load(write(tmp_path, text))
+
+
+def test_a_quoted_text_may_look_like_any_number(tmp_path):
+    assert Scenario.load(write(tmp_path, 'name: "010"\ndescription: "1:30"\n')).name == "010"

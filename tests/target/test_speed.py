@@ -11,12 +11,14 @@ from osculate import (
     Cycloid,
     Limits,
     NoSolution,
+    Parametric,
     Spline,
     Tricycle,
     plan_speed,
     vehicle_named,
 )
 from osculate.study.comparison.suite import CURVES
+from osculate.target import speed as planning
 
 CASES = [(name, robot) for name in CURVES for robot in ("paper", "tugger", "forklift")]
 
@@ -93,3 +95,24 @@ def test_motors_too_weak_for_the_rolling_resistance_are_named():
     weak = Tricycle(actuators=Actuators(torque_limit=0.01))
     with pytest.raises(NoSolution, match="the motors cannot hold the slowest speed"):
         plan_speed(CURVES["corner"], weak)
+
+
+def test_a_tight_place_between_the_nodes_is_seen():
+    """Hundreds of tips of a micrometre, on a curve whose nodes are 15 cm apart."""
+    with pytest.raises(NoSolution, match=r"bends with -?9e\+06 1/m"):
+        plan_speed(Parametric(x="p", y="sin(3000 * p)"), Tricycle())
+
+
+@pytest.mark.parametrize("speed", [2.0, 12.0])
+def test_long_plans_start_from_a_bound_that_changes_nothing(monkeypatch, speed):
+    """The programme without that bound is the oracle."""
+    a = np.linspace(0, 2 * np.pi, 180, endpoint=False)
+    r = 140 + 10 * np.sin(9 * a) + 5 * np.sin(13 * a)
+    track = Spline(points=tuple(zip(r * np.cos(a), r * np.sin(a), strict=True)), loop=True)
+    limits = Limits(speed=speed)
+    monkeypatch.setattr(planning, "LONG", 10)
+    quick = plan_speed(track, Tricycle(), limits)
+    monkeypatch.setattr(planning, "LONG", 10**9)
+    exact = plan_speed(track, Tricycle(), limits)
+    assert quick.energy == pytest.approx(exact.energy, rel=1e-7)
+    assert quick.duration == pytest.approx(exact.duration, rel=1e-9)

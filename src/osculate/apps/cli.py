@@ -15,6 +15,7 @@ from rich.table import Table
 from osculate.errors import InvalidInput, OsculateError, choose
 
 if TYPE_CHECKING:
+    from osculate.curve import CurveFile
     from osculate.simulation import Run
 
 app = typer.Typer(
@@ -155,28 +156,75 @@ def curve(
         str,
         typer.Argument(help="A curve file, a built-in curve or a scenario file.", metavar="FILE"),
     ],
-    robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
+    robot: Annotated[
+        str, typer.Option(help="A robot of the catalogue; by default the scenario's own, or paper.")
+    ] = "",
     scale: Annotated[float, typer.Option(help="Factor on all coordinates.")] = 1.0,
     tolerance: Annotated[
         float, typer.Option(help="Largest distance from the points (m); 0 goes through them.")
     ] = 0.0,
+    columns: Annotated[
+        str, typer.Option(help="Columns of x and y: numbers from 1 or names, such as 2,3.")
+    ] = "",
+    loop: Annotated[
+        bool | None,
+        typer.Option("--loop/--no-loop", help="Closed or open; by default its ends decide."),
+    ] = None,
+    take: Annotated[
+        str, typer.Option(help="Which path, topic, vehicle type or road, if there are several.")
+    ] = "",
+    speeds: Annotated[
+        bool, typer.Option("--speeds", help="Keep to the file's own speeds.")
+    ] = False,
     speed: Annotated[float, typer.Option(help="Speed (m/s) that is asked for.")] = 1.0,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder for a figure of the curve.")
     ] = None,
 ) -> None:
-    """Inspect a curve: length, curvature, the tightest place, and whether a robot can follow it."""
-    from osculate.study.feasibility import draw, inspect_curve, load_curve
+    """Inspect a curve: what the file holds, length, curvature, and whether a robot can follow it."""
+    from osculate.curve import CurveFile
+    from osculate.study.feasibility import draw, inspect_curve, load_source
     from osculate.vehicle import vehicle_named
 
-    chosen, body = load_curve(source, scale, tolerance), vehicle_named(robot)
-    report = inspect_curve(chosen, body, speed)
-    _print_rows(source, report.rows())
+    named = vehicle_named(robot) if robot else None
+    chosen, own = load_source(
+        source, scale=scale, tolerance=tolerance, columns=_columns(columns), loop=loop, take=take,
+        speeds=speeds,
+    )  # fmt: skip
+    if isinstance(chosen, CurveFile):
+        with progress("reading") as told:
+            chosen.read(told)
+        _print_reading(chosen)
+    with progress("inspecting") as told:
+        report = inspect_curve(chosen, named or own or vehicle_named("paper"), speed)
+        told(1.0)
+    _print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
     out.print(report.verdict, style="none" if report.feasible else "bold red")
     if output:
         out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
     if not report.feasible:
         raise typer.Exit(1)
+
+
+def _columns(text: str) -> tuple[int | str, int | str] | None:
+    """Two numbers or names, separated by a comma."""
+    if not text:
+        return None
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 2 or not all(parts):
+        raise InvalidInput("columns", text, "must be two numbers from 1 or two names, such as 2,3")
+    x, y = (int(part) if part.isdecimal() else part for part in parts)
+    return x, y
+
+
+def _print_reading(chosen: "CurveFile") -> None:
+    """What was understood of a file."""
+    for label, value in [("file", chosen.path), *chosen.reading.rows()]:
+        out.print(f"[dim]{label}:[/dim] ", end="")
+        out.print(value, markup=False, soft_wrap=True)
+    name = chosen.reading.found.speed_name
+    if name and not chosen.speeds:
+        out.print(f"speeds: {name} is in the file and not used; --speeds keeps to it", markup=False)
 
 
 @app.command()

@@ -7,10 +7,12 @@ from pydantic import Field
 from osculate.curve.composite import Composite, Laps, Part
 from osculate.curve.contract import Curve, CurvePoint
 from osculate.curve.cycloid import Cycloid
-from osculate.curve.files import CurveFile, read_curve
+from osculate.curve.files import CurveFile, Reading, read_curve, read_file
+from osculate.curve.nurbs import Nurbs
 from osculate.curve.parametric import Parametric
-from osculate.curve.segments import Arc, Chain, Clothoid, Line, Pose, Segment
-from osculate.curve.spline import Nurbs, Spline
+from osculate.curve.segments import Arc, Chain, Clothoid, Line, Segment
+from osculate.curve.spirals import Pose
+from osculate.curve.spline import Spline
 from osculate.curve.table import CurveTable, tabulate
 from osculate.spec import Spec
 
@@ -57,9 +59,11 @@ __all__ = [
     "Parametric",
     "Part",
     "Pose",
+    "Reading",
     "Segment",
     "Spline",
     "parse_curve",
     "read_curve",
+    "read_file",
     "tabulate",
 ]

@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.curve.arclength import ArcLength
+from osculate.curve.arclength import ArcLength, along
 from osculate.curve.composite import Composite, Part
 from osculate.curve.contract import Curve
-from osculate.curve.segments import Pose
-from osculate.curve.spline import DEGREE, Points, Sampled, along
+from osculate.curve.sampled import Points, Sampled
+from osculate.curve.spirals import Pose
+from osculate.curve.spline import DEGREE
 from osculate.errors import NoSolution
 from osculate.spec import quantity
 
@@ -139,7 +140,10 @@ def dubins(start: Pose, goal: Pose, radius: float) -> list[Leg]:
     candidates = [
         _straight(start, goal, radius, a, b) for a, b in itertools.product((1, -1), (1, -1))
     ]
-    candidates += [_three_arcs(start, goal, radius, side) for side in (1, -1)]
+    candidates += [
+        _three_arcs(start, goal, radius, side, middle)
+        for side, middle in itertools.product((1, -1), (1, -1))
+    ]
     found = [legs for legs in candidates if legs is not None]
     return min(found, key=lambda legs: sum(leg.length for leg in legs))
 
@@ -166,13 +170,13 @@ def _straight(start: Pose, goal: Pose, radius: float, first: int, last: int) -> 
     ]
 
 
-def _three_arcs(start: Pose, goal: Pose, radius: float, side: int) -> list[Leg] | None:
-    """Arc, arc to the other side, arc."""
+def _three_arcs(start: Pose, goal: Pose, radius: float, side: int, which: int) -> list[Leg] | None:
+    """Arc, arc to the other side, arc; the middle circle lies to one side of the line or the other."""
     a, b = _centre(start, side, radius), _centre(goal, side, radius)
     distance = abs(b - a)
     if distance > 4.0 * radius or distance < 1e-9:
         return None
-    angle = np.angle(b - a) - side * np.arccos(distance / (4.0 * radius))
+    angle = np.angle(b - a) - which * np.arccos(distance / (4.0 * radius))
     middle = a + 2.0 * radius * np.exp(1j * angle)
     leave = float(angle) + side * np.pi / 2.0  # heading where the first arc ends
     arrive = float(np.angle(middle - b)) + side * np.pi / 2.0  # heading where the last one begins

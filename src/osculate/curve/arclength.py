@@ -1,55 +1,54 @@
 """Arc length of parametric curves: from derivatives in a parameter to a `CurvePoint` at each s."""
 
-from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from osculate.curve.contract import CurvePoint
-from osculate.errors import InvalidInput
+from osculate.curve.panels import Derivative, Enclosure, Panels, bends_of
 
 Array = NDArray[np.float64]
 
-#: (parameters, shape (n,); order 0…3) -> that derivative of (x, y), shape (n, 2).
-Derivative = Callable[[Array, int], Array]
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 _NEWTON_STEPS = 3
+_MORE_STEPS = 20  # where the speed varies so much within a panel that three leave more than
+_CLOSE = 1e-12  # of the whole length
 
 
 class ArcLength:
     """A regular parametric curve r(p), reparametrised by arc length.
 
-    The length of every panel between two knots comes from ten-point Gauss–Legendre quadrature; the
+    The length of every panel between two knots comes from ten-point Gauss–Legendre quadrature;
+    panels are halved until speed and tangent are resolved and ∫ r' dp is what r really moves. The
     inverse starts from a cubic in s and is polished by Newton steps on the same quadrature.
 
     Args:
         derivative: r and its first three derivatives.
         breaks: Increasing parameters between which r is smooth (at least its two ends).
-        panels: Panels in total, spread over the pieces.
+        panels: Panels to begin with, spread over the pieces.
+        enclosure: Bounds of r', where they can be had: they show what lies between the nodes.
 
     Raises:
-        InvalidInput: r' vanishes or is not finite somewhere (a cusp or a stop; says where).
+        InvalidInput: r' vanishes, is not finite or is not resolved somewhere (a cusp, a stop, a
+            pole, a jump; says where).
     """
 
-    def __init__(self, derivative: Derivative, breaks: ArrayLike, panels: int = 1024) -> None:
+    def __init__(
+        self,
+        derivative: Derivative,
+        breaks: ArrayLike,
+        panels: int = 1024,
+        enclosure: Enclosure | None = None,
+    ) -> None:
         self._derivative = derivative
         edges = np.asarray(breaks, dtype=float)
         per_piece = max(2, -(-panels // (len(edges) - 1)))
-        pieces = [np.linspace(a, b, per_piece, endpoint=False) for a, b in pairwise(edges)]
-        self._p: Array = np.concatenate([*pieces, edges[-1:]])
-        speed = self._speed(self._p)
-        bad = ~(speed > 1e-12 * np.nanmax(speed)) | ~np.isfinite(speed)
-        if bad.any():
-            raise InvalidInput(
-                "curve", f"|dr/dp| = {speed[bad.argmax()]:.3g} at p = {self._p[bad.argmax()]:.6g}",
-                "must move on everywhere: r' finite and not zero",
-            )  # fmt: skip
-        steps = self._length(self._p[:-1], self._p[1:])
-        self._s: Array = np.concatenate([[0.0], np.cumsum(steps)])
-        self._slope = 1.0 / speed
+        steps = np.arange(per_piece) * (np.diff(edges) / per_piece)[:, None]
+        first = np.append((edges[:-1, None] + steps).ravel(), edges[-1])
+        self._panels = Panels(derivative, first, enclosure)
+        self._p = self._panels.p
+        self._s: Array = np.concatenate([[0.0], np.cumsum(self._panels.lengths)])
+        self._slope = 1.0 / self._panels.speed(self._p)
         tangent = derivative(self._p, 1)
         self._heading: Array = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
 
@@ -67,19 +66,30 @@ class ArcLength:
         p, panel, fraction = self._locate(arc_length)
         flat = p.ravel()
         r0, r1, r2, r3 = (self._derivative(flat, n).reshape(*p.shape, 2) for n in range(4))
-        square = (r1**2).sum(axis=-1)
-        bend = r1[..., 0] * r2[..., 1] - r1[..., 1] * r2[..., 0]
-        bend_rate = r1[..., 0] * r3[..., 1] - r1[..., 1] * r3[..., 0]
-        stretch = (r1 * r2).sum(axis=-1)
+        curvature, curvature_rate = bends_of(r1, r2, r3)
         raw = np.arctan2(r1[..., 1], r1[..., 0])
         near = (1.0 - fraction) * self._heading[panel] + fraction * self._heading[panel + 1]
         return CurvePoint(
             x=r0[..., 0],
             y=r0[..., 1],
             heading=raw + 2.0 * np.pi * np.round((near - raw) / (2.0 * np.pi)),
-            curvature=bend / square**1.5,
-            curvature_rate=(bend_rate - 3.0 * bend * stretch / square) / square**2,
+            curvature=curvature,
+            curvature_rate=curvature_rate,
         )
+
+    def tight_places(self, most: int = 256) -> Array:
+        """Arc lengths (m) of the largest local maxima of |κ| on the resolved panels, at most so many."""
+        p = np.append(self._p, 0.5 * (self._p[1:] + self._p[:-1]))
+        p.sort()
+        first, second = self._derivative(p, 1), self._derivative(p, 2)
+        bend = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+        bend /= np.hypot(*first.T) ** 3
+        padded = np.concatenate([[-1.0], bend, [-1.0]])
+        peaks = np.flatnonzero((bend >= padded[:-2]) & (bend >= padded[2:]))
+        chosen = np.sort(peaks[np.argsort(-bend[peaks])[:most]])
+        panel = np.clip(np.searchsorted(self._p, p[chosen], side="right") - 1, 0, len(self._p) - 2)
+        places: Array = self._s[panel] + self._panels.length(self._p[panel], p[chosen])
+        return places
 
     def _locate(self, arc_length: ArrayLike) -> tuple[Array, Any, Array]:
         s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
@@ -92,18 +102,16 @@ class ArcLength:
         p = start + f * (
             first + f * (3.0 * rise - 2.0 * first - last + f * (first + last - 2.0 * rise))
         )
-        for _ in range(_NEWTON_STEPS):
-            short = s - self._s[panel] - self._length(start, p)
-            p = np.clip(p + short / self._speed(p), start, end)
+        for step in range(_NEWTON_STEPS + _MORE_STEPS):
+            short = s - self._s[panel] - self._panels.length(start, p)
+            if step >= _NEWTON_STEPS and np.abs(short).max(initial=0.0) <= _CLOSE * self.length:
+                break
+            p = np.clip(p + short / self._panels.speed(p), start, end)
         return p, panel, f
 
-    def _speed(self, p: Array) -> Array:
-        tangent = self._derivative(p.ravel(), 1)
-        speed: Array = np.hypot(tangent[:, 0], tangent[:, 1]).reshape(p.shape)
-        return speed
 
-    def _length(self, start: Array, end: Array) -> Array:
-        half = 0.5 * (end - start)[..., None]
-        middle = 0.5 * (end + start)[..., None]
-        length: Array = (self._speed(middle + half * _NODES) * half) @ _WEIGHTS
-        return length
+def along(spline: Any, panels: int) -> ArcLength:
+    """A SciPy spline with values in the plane, by arc length, smooth between its knots."""
+    derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
+    knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
+    return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), knots, panels)

@@ -78,6 +78,20 @@ class Composite(Curve):
 
         return at_joined([part.length for part in self.pieces], piece, arc_length)
 
+    def speed_limit(self, arc_length: ArrayLike) -> Array | None:
+        """See `Curve.speed_limit`: those of the pieces; where two meet, the lower one."""
+        s = np.asarray(arc_length, dtype=float)
+        limit = np.full(s.shape, np.inf)
+        begin = 0.0
+        for piece in self.pieces:
+            end = begin + piece.length
+            here = (s >= begin - 1e-9) & (s <= end + 1e-9)
+            own = piece.speed_limit(np.clip(s[here] - begin, 0.0, piece.length))
+            if own is not None:
+                limit[here] = np.minimum(limit[here], own)
+            begin = end
+        return limit if np.isfinite(limit).any() else None
+
 
 class Laps(Curve):
     """A closed curve, driven around several times."""
@@ -114,6 +128,10 @@ class Laps(Curve):
         point = self.track.at(s - lap * self.track.length)
         return point._replace(heading=point.heading + lap * self.track.total_turn)
 
+    def speed_limit(self, arc_length: ArrayLike) -> Array | None:
+        """See `Curve.speed_limit`: that of the track, in every lap."""
+        return self.track.speed_limit(np.asarray(arc_length, dtype=float) % self.track.length)
+
 
 class Part(Curve):
     """A part of a curve."""
@@ -145,6 +163,10 @@ class Part(Curve):
         """See `Curve.at`."""
         s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.length)
         return self.curve.at(self.start + s)
+
+    def speed_limit(self, arc_length: ArrayLike) -> Array | None:
+        """See `Curve.speed_limit`."""
+        return self.curve.speed_limit(self.start + np.asarray(arc_length, dtype=float))
 
 
 def check_join(

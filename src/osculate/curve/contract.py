@@ -64,6 +64,15 @@ class Curve(Spec):
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """The curve at the arc lengths (m, any shape, clipped to [0, length]), as arrays."""
 
+    def speed_limit(self, arc_length: ArrayLike) -> Array | None:
+        """The curve's own largest speeds (m/s) at arc lengths (m), or None if it says none."""
+        return None
+
+    @property
+    def tight_places(self) -> Array:
+        """Arc lengths (m) at which it bends most, shape (n,), where even samples may miss them."""
+        return np.empty(0)
+
     @property
     def total_turn(self) -> float:
         """Heading at the end minus heading at the start (rad)."""

@@ -1,18 +1,18 @@
 """Any smooth curve (x(p), y(p)): given as formulas, or as Python functions."""
 
-import ast
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from osculate.curve.arclength import ArcLength, Derivative
+from osculate.curve.arclength import ArcLength
 from osculate.curve.contract import Curve, CurvePoint
+from osculate.curve.formula import Formula
+from osculate.curve.pieces import Pieces, nodes_of
 from osculate.errors import InvalidInput, NoSolution
 from osculate.spec import quantity
 
@@ -22,28 +22,17 @@ DEGREE = 20  # of the Chebyshev polynomials that stand in for Python functions
 TOLERANCE = 1e-13  # relative size of the last coefficients of a resolved function
 MOST_PIECES = 1024
 
-FUNCTIONS = {"sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "atan"}
-CONSTANTS = {"pi", "E"}
-ALLOWED = (
-    ast.Expression,
-    ast.BinOp,
-    ast.UnaryOp,
-    ast.Call,
-    ast.operator,
-    ast.unaryop,
-    ast.expr_context,
-)
-
 
 class Parametric(Curve):
     """A curve (x(p), y(p)) for p from ``start`` to ``end``.
 
-    Formulas are strings in ``p`` (``"3 * cos(p)"``, anything SymPy reads); their derivatives are
-    exact. Python functions of one float are replaced by piecewise Chebyshev polynomials that agree to
-    rounding, whose derivatives are then exact.
+    Formulas are strings in ``p``: ``"3 * cos(p)"``, with + - * / ** and the functions listed in
+    `osculate.curve.formula`; their derivatives are exact. Python functions of one float are replaced by
+    piecewise Chebyshev polynomials that agree to rounding, whose derivatives are then exact.
 
     Raises:
-        InvalidInput: A formula that cannot be read, or a curve that stops (r' = 0).
+        InvalidInput: A formula that cannot be read, a curve that stops, turns back, jumps or has a pole
+            (says where), a loop whose end does not continue into its start.
         NoSolution: A function too rough to be resolved: it must be smooth.
     """
 
@@ -69,20 +58,55 @@ class Parametric(Curve):
             raise InvalidInput("end", self.end, f"must be greater than start = {self.start:g}")
         return self
 
+    @field_validator("x", "y")
+    @classmethod
+    def _readable(cls, given: Any) -> Any:
+        if isinstance(given, str):
+            Formula("", given)
+        return given
+
     @cached_property
     def _arc(self) -> ArcLength:
         x, y = (self._component(name) for name in ("x", "y"))
-        breaks = np.union1d(x.breaks, y.breaks)
+        inner = [part.breaks for part in (x, y) if isinstance(part, Pieces)]
+        breaks = np.unique(np.concatenate([[self.start, self.end], *inner]))
 
         def derivative(p: Array, order: int) -> Array:
             return np.stack([x(p, order), y(p, order)], axis=-1)
 
-        return ArcLength(derivative, breaks)
+        def enclosure(start: Array, end: Array) -> tuple[Array, Array]:
+            bounds = [part.enclose(start, end) for part in (x, y)]
+            low, high = zip(*bounds, strict=True)
+            return np.stack(low, axis=-1), np.stack(high, axis=-1)
+
+        formulas = isinstance(x, Formula) and isinstance(y, Formula)
+        arc = ArcLength(derivative, breaks, enclosure=enclosure if formulas else None)
+        if self.loop:
+            self._require_closed(arc)
+        return arc
+
+    @staticmethod
+    def _require_closed(arc: ArcLength) -> None:
+        ends = arc.at(np.array([0.0, arc.length]))
+        x, y, heading, curvature, _ = (float(np.diff(column)[0]) for column in ends)
+        turn = abs(heading - 2.0 * np.pi * round(heading / (2.0 * np.pi)))
+        jumps = (
+            (np.hypot(x, y), 1e-6 * arc.length, f"ends {np.hypot(x, y):.4g} m from its start"),
+            (turn, 1e-6, f"has a corner of {np.degrees(turn):.4g}° where it closes"),
+            (
+                abs(curvature),
+                1e-4,
+                f"has a jump of curvature of {curvature:.4g} 1/m where it closes",
+            ),
+        )
+        for jump, most, what in jumps:
+            if jump > most:
+                raise InvalidInput("loop", True, f"the curve {what}; must continue into its start")
 
     def _component(self, name: str) -> Any:
         given = getattr(self, name)
         if isinstance(given, str):
-            return _Formula(name, given, self.start, self.end)
+            return Formula(name, given)
         return _resolve(name, given, self.start, self.end)
 
     @property
@@ -90,79 +114,27 @@ class Parametric(Curve):
         """See `Curve.length`."""
         return self._arc.length
 
+    @property
+    def tight_places(self) -> Array:
+        """See `Curve.tight_places`."""
+        return self._arc.tight_places()
+
     def at(self, arc_length: ArrayLike) -> CurvePoint:
         """See `Curve.at`."""
         return self._arc.at(arc_length)
 
 
-class _Formula:
-    """A formula in p and its derivatives, by SymPy."""
-
-    def __init__(self, name: str, text: str, start: float, end: float) -> None:
-        import sympy
-
-        self.breaks = np.array([start, end])
-        _require_formula(name, text)
-        p = sympy.Symbol("p", real=True)
-        formula = sympy.sympify(text, locals={"p": p})
-        self._functions = [sympy.lambdify(p, formula.diff(p, n), "numpy") for n in range(4)]
-
-    def __call__(self, p: Array, order: int) -> Array:
-        return np.broadcast_to(np.asarray(self._functions[order](p), dtype=float), p.shape)
-
-
-def _require_formula(name: str, text: str) -> None:
-    """Accept nothing but arithmetic on p, numbers and known functions: formulas come from files."""
-    valid = f"must be a formula in p with + - * / ** and {', '.join(sorted(FUNCTIONS | CONSTANTS))}"
-    try:
-        tree = ast.parse(text, mode="eval")
-    except (SyntaxError, ValueError):
-        raise InvalidInput(name, text, valid) from None
-    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name):
-            known = FUNCTIONS if id(node) in called else CONSTANTS | {"p"}
-            if node.id in known:
-                continue
-        elif isinstance(node, ast.Constant):
-            if type(node.value) in (int, float):
-                continue
-        elif isinstance(node, ALLOWED):
-            continue
-        raise InvalidInput(name, text, valid)
-
-
-class _Pieces:
-    """Piecewise Chebyshev polynomials and their derivatives."""
-
-    def __init__(self, breaks: Array, coefficients: Array) -> None:
-        self.breaks = breaks
-        half = 0.5 * np.diff(breaks)
-        self._orders: list[Any] = [coefficients]
-        for _ in range(3):
-            self._orders.append(chebyshev.chebder(self._orders[-1], axis=1) / half[:, None])
-
-    def __call__(self, p: Array, order: int) -> Array:
-        piece = np.clip(np.searchsorted(self.breaks, p, side="right") - 1, 0, len(self.breaks) - 2)
-        a, b = self.breaks[piece], self.breaks[piece + 1]
-        local = (2.0 * p - a - b) / (b - a)
-        values: Array = chebyshev.chebval(local, self._orders[order][piece].T, tensor=False)
-        return values
-
-
-def _resolve(name: str, function: Callable[[float], float], start: float, end: float) -> _Pieces:
+def _resolve(name: str, function: Callable[[float], float], start: float, end: float) -> Pieces:
     """Cut [start, end] into ever more pieces until every piece's polynomial has converged."""
-    nodes = chebyshev.chebpts1(DEGREE + 1)
-    transform = np.linalg.inv(chebyshev.chebvander(nodes, DEGREE))
     pieces = 4
     while pieces <= MOST_PIECES:
         breaks = np.linspace(start, end, pieces + 1)
-        middle, half = 0.5 * (breaks[1:] + breaks[:-1]), 0.5 * np.diff(breaks)
-        values = _sample(name, function, middle[:, None] + half[:, None] * nodes)
+        nodes, transform = nodes_of(breaks, DEGREE)
+        values = _sample(name, function, nodes)
         coefficients = values @ transform.T
         tail = np.abs(coefficients[:, -3:]).max()
         if tail <= TOLERANCE * max(np.abs(values).max(), 1e-300):
-            return _Pieces(breaks, coefficients)
+            return Pieces(breaks, coefficients)
         pieces *= 2
     raise NoSolution(
         f"{name}(p) is too rough: {MOST_PIECES} polynomials of degree {DEGREE} do not resolve it; "
@@ -176,6 +148,3 @@ def _sample(name: str, function: Callable[[float], float], p: Array) -> Array:
         where = float(p[~np.isfinite(values)][0])
         raise InvalidInput(name, f"not finite at p = {where:.6g}", "must be finite everywhere")
     return values
-
-
-__all__ = ["Derivative", "Parametric"]

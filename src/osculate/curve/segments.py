@@ -2,84 +2,15 @@
 
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 from pydantic import field_validator, model_validator
 
-from osculate.curve.contract import Curve, CurvePoint, at_joined
-from osculate.errors import InvalidInput, MissingExtra
+from osculate.curve.fitting import fitting, pyclothoids, require_arrival
+from osculate.curve.spirals import Pose, Segmented, Spiral, spiral_from
+from osculate.errors import InvalidInput
 from osculate.spec import Spec, quantity
-
-Array = NDArray[np.float64]
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
-PANEL_TURN = 0.5  # rad, turn of one panel of quadrature: its error is below 1e-15 of its length
-
-
-class Pose(Spec):
-    """A place and a direction in the map frame."""
-
-    x: float = quantity("m", "position, x", default=0.0)
-    y: float = quantity("m", "position, y", default=0.0)
-    heading: float = quantity("rad", "counter-clockwise from x", default=0.0)
-
-
-class Spiral(NamedTuple):
-    """A clothoid from its start: κ(s) = curvature + sharpness · s; arc and line are special cases."""
-
-    x: float  # m
-    y: float  # m
-    heading: float  # rad
-    curvature: float  # 1/m, at the start
-    sharpness: float  # 1/m², dκ/ds
-    length: float  # m
-
-    def at(self, arc_length: Array) -> CurvePoint:
-        """The spiral at arc lengths (m), shape (n,), by Gauss–Legendre quadrature of its heading."""
-        turn = abs(self.curvature) * self.length + abs(self.sharpness) * self.length**2
-        panels = max(1, int(np.ceil(turn / PANEL_TURN)))
-        edges = np.linspace(0.0, self.length, panels + 1)
-        steps = self._displacement(edges[:-1], edges[1:])
-        corners = np.concatenate([[[self.x, self.y]], [self.x, self.y] + np.cumsum(steps, axis=0)])
-        panel = np.clip(np.searchsorted(edges, arc_length, side="right") - 1, 0, panels - 1)
-        place = corners[panel] + self._displacement(edges[panel], arc_length)
-        return CurvePoint(
-            place[:, 0],
-            place[:, 1],
-            self._heading(arc_length),
-            self.curvature + self.sharpness * arc_length,
-            np.full(len(arc_length), self.sharpness),
-        )
-
-    def _heading(self, s: Array) -> Array:
-        return self.heading + self.curvature * s + 0.5 * self.sharpness * s * s
-
-    def _displacement(self, start: Array, end: Array) -> Array:
-        half = 0.5 * (end - start)[:, None]
-        heading = self._heading(0.5 * (end + start)[:, None] + half * _NODES)
-        parts = [(np.cos(heading) * half) @ _WEIGHTS, (np.sin(heading) * half) @ _WEIGHTS]
-        return np.stack(parts, axis=1)
-
-
-class Segmented(Curve):
-    """A curve that consists of spirals, one after the other."""
-
-    @cached_property
-    def spirals(self) -> tuple[Spiral, ...]:
-        """The spirals in order; the end of each is the start of the next."""
-        raise NotImplementedError
-
-    @property
-    def length(self) -> float:
-        """See `Curve.length`."""
-        return float(sum(spiral.length for spiral in self.spirals))
-
-    def at(self, arc_length: ArrayLike) -> CurvePoint:
-        """See `Curve.at`."""
-        lengths = [spiral.length for spiral in self.spirals]
-        return at_joined(lengths, lambda n, s: self.spirals[n].at(s), arc_length)
 
 
 class Line(Segmented):
@@ -99,7 +30,7 @@ class Line(Segmented):
     @cached_property
     def spirals(self) -> tuple[Spiral, ...]:
         """See `Segmented.spirals`."""
-        return (_spiral(self.start, 0.0, 0.0, self.distance),)
+        return (spiral_from(self.start, 0.0, 0.0, self.distance),)
 
 
 class Arc(Segmented):
@@ -120,7 +51,7 @@ class Arc(Segmented):
     def spirals(self) -> tuple[Spiral, ...]:
         """See `Segmented.spirals`."""
         bend = np.sign(self.angle) / self.radius
-        return (_spiral(self.start, float(bend), 0.0, abs(self.angle) * self.radius),)
+        return (spiral_from(self.start, float(bend), 0.0, abs(self.angle) * self.radius),)
 
 
 class Clothoid(Segmented):
@@ -137,23 +68,28 @@ class Clothoid(Segmented):
         """The one clothoid from pose to pose (G1 Hermite fit, Bertolazzi and Frego).
 
         Raises:
+            InvalidInput: Start and end are the same place.
+            NoSolution: The clothoid found is no sensible way: it goes round in large circles.
             MissingExtra: The library that fits is not installed.
         """
-        fitted = _pyclothoids().Clothoid.G1Hermite(
-            start.x, start.y, start.heading, end.x, end.y, end.heading
-        )
-        return cls(
-            start=start,
-            distance=fitted.length,
-            start_curvature=fitted.KappaStart,
-            end_curvature=fitted.KappaEnd,
-        )
+        with fitting(start, end):
+            fitted = pyclothoids().Clothoid.G1Hermite(
+                start.x, start.y, start.heading, end.x, end.y, end.heading
+            )
+            found = cls(
+                start=start,
+                distance=fitted.length,
+                start_curvature=fitted.KappaStart,
+                end_curvature=fitted.KappaEnd,
+            )
+        require_arrival(found, start, end)
+        return found
 
     @cached_property
     def spirals(self) -> tuple[Spiral, ...]:
         """See `Segmented.spirals`."""
         sharpness = (self.end_curvature - self.start_curvature) / self.distance
-        return (_spiral(self.start, self.start_curvature, sharpness, self.distance),)
+        return (spiral_from(self.start, self.start_curvature, sharpness, self.distance),)
 
 
 class Segment(Spec):
@@ -239,17 +175,24 @@ class Chain(Segmented):
         """Three clothoids from pose to pose with given curvatures at both ends (G2 Hermite fit).
 
         Raises:
+            InvalidInput: Start and end are the same place.
+            NoSolution: The clothoids found are no sensible way: they go round in large circles.
             MissingExtra: The library that fits is not installed.
         """
-        fitted = _pyclothoids().SolveG2(
-            start.x, start.y, start.heading, curvatures[0],
-            end.x, end.y, end.heading, curvatures[1],
-        )  # fmt: skip
-        segments = tuple(
-            Segment(length=part.length, curvature=part.KappaStart, end_curvature=part.KappaEnd)
-            for part in fitted
-        )
-        return cls(start=start, segments=segments, curvature_jump=1e-6)
+        with fitting(start, end):
+            fitted = pyclothoids().SolveG2(
+                start.x, start.y, start.heading, curvatures[0],
+                end.x, end.y, end.heading, curvatures[1],
+            )  # fmt: skip
+            segments = tuple(
+                Segment(length=part.length, curvature=part.KappaStart, end_curvature=part.KappaEnd)
+                for part in fitted
+            )
+            found = cls(
+                start=start, segments=segments, curvature_jump=1e-6 * max(1.0, _most(segments))
+            )
+        require_arrival(found, start, end)
+        return found
 
     @cached_property
     def spirals(self) -> tuple[Spiral, ...]:
@@ -258,19 +201,11 @@ class Chain(Segmented):
         at: Any = self.start
         for segment in self.segments:
             sharpness = (segment.last_curvature - segment.curvature) / segment.length
-            spirals.append(_spiral(at, segment.curvature, sharpness, segment.length))
+            spirals.append(spiral_from(at, segment.curvature, sharpness, segment.length))
             point = spirals[-1].at(np.array([segment.length]))
             at = Pose(x=float(point.x[0]), y=float(point.y[0]), heading=float(point.heading[0]))
         return tuple(spirals)
 
 
-def _spiral(start: Pose, curvature: float, sharpness: float, length: float) -> Spiral:
-    return Spiral(start.x, start.y, start.heading, curvature, sharpness, length)
-
-
-def _pyclothoids() -> Any:
-    try:
-        import pyclothoids
-    except ImportError:
-        raise MissingExtra("clothoids", "pyclothoids") from None
-    return pyclothoids
+def _most(segments: tuple[Segment, ...]) -> float:
+    return max(max(abs(s.curvature), abs(s.last_curvature)) for s in segments)

@@ -1,58 +1,68 @@
-"""Curves through or near points: interpolating and smoothing splines, and NURBS.
+"""Curves through or near points: interpolating and smoothing splines.
 
 Splines are quintic: curvature and its derivative are continuous, and so are steering angle and rate.
 """
 
+import warnings
 from functools import cached_property
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from pydantic import field_validator, model_validator
+from numpy.typing import NDArray
+from pydantic import field_validator
 
-from osculate.curve.arclength import ArcLength
-from osculate.curve.contract import Curve, CurvePoint
-from osculate.errors import InvalidInput, NoSolution
+from osculate.curve.arclength import ArcLength, along
+from osculate.curve.guides import allowance, graded, place, uneven_legs
+from osculate.curve.hints import hints
+from osculate.curve.nurbs import Nurbs
+from osculate.curve.sampled import Points, Sampled
+from osculate.curve.smoothing import DEGREE, smooth
+from osculate.curve.waypoints import (
+    Indices,
+    distances,
+    distinct,
+    merge,
+    require_forward,
+    steps_of,
+)
+from osculate.errors import InvalidInput
 from osculate.spec import quantity
 
 Array = NDArray[np.float64]
-Points = tuple[tuple[float, float], ...]
 
-DEGREE = 5
-DUPLICATE = 1e-9  # of the whole extent: points closer than this are one
-
-
-class Sampled(Curve):
-    """A curve with a parameter of its own, behind an `ArcLength`."""
-
-    @cached_property
-    def _arc(self) -> ArcLength:
-        raise NotImplementedError
-
-    @property
-    def length(self) -> float:
-        """See `Curve.length`."""
-        return self._arc.length
-
-    def at(self, arc_length: ArrayLike) -> CurvePoint:
-        """See `Curve.at`."""
-        return self._arc.at(arc_length)
+SAMPLES = 8  # of the curve between two points, where its distance from the polyline is measured
+SPLITS = 8  # times that guides are added
 
 
-def along(spline: Any, panels: int) -> ArcLength:
-    """A SciPy spline with values in the plane, by arc length, smooth between its knots."""
-    derivatives = [spline, *(spline.derivative(n) for n in (1, 2, 3))]
-    knots = np.unique(spline.t[spline.k : len(spline.t) - spline.k])
-    return ArcLength(lambda p, order: np.asarray(derivatives[order](p)), knots, panels)
+class PolylineError(NamedTuple):
+    """How far a curve leaves the polyline through the points it was made from."""
+
+    largest: float  # m
+    rms: float  # m
+    x: float  # m, where it is largest
+    y: float  # m
+
+
+class _Fit(NamedTuple):
+    """A spline and what it goes through, or near."""
+
+    spline: Any
+    parameters: Array  # of its nodes, shape (n,)
+    nodes: Array  # m, shape (n, 2): the points, guides between them, a loop's first one again
+    own: Indices  # which node each point is
 
 
 class Spline(Sampled):
     """A quintic spline through waypoints, or near them if a tolerance is given.
 
-    The parameter is the chord length, so that uneven spacing is fine; repeated points are dropped.
+    The parameter is the chord length. Where points are so uneven that the curve would bulge beside
+    short steps, guides on the long ones keep it near the polyline. Points that repeat, nearly
+    coincide or jitter about one place become one; what was merged, noise and rounded coordinates are
+    told in a warning when the curve is built.
 
     Raises:
-        InvalidInput: Fewer than two different points, a point that is not finite.
+        InvalidInput: Fewer than two different points, a point that is not finite, a list that turns
+            round (says at which point).
         NoSolution: The tolerance cannot be kept.
     """
 
@@ -80,189 +90,136 @@ class Spline(Sampled):
         return self.loop
 
     @cached_property
+    def _raw_points(self) -> Array:
+        return np.array(self.points, dtype=float)
+
+    @cached_property
+    def _kept(self) -> Indices:
+        """Which points the curve is made from; tells what was merged and what looks wrong."""
+        merged = merge(self._raw_points)
+        if self.tolerance == 0.0:
+            for sentence in hints(self._raw_points, merged):
+                warnings.warn(sentence, stacklevel=4)
+        kept = merged.kept
+        places = self._raw_points[kept]
+        if self.loop and len(kept) > 2:
+            steps = steps_of(places)
+            gap = float(np.hypot(*(places[-1] - places[0])))
+            if gap <= max(0.02 * min(steps[0], steps[-1]), 1e-6 * np.ptp(places, axis=0).max()):
+                kept = kept[:-1]
+        if self.loop and len(kept) < 3:
+            raise InvalidInput("points", len(kept), "a loop needs at least three different points")
+        return kept
+
+    @property
     def waypoints(self) -> Array:
         """The different points (m), shape (n, 2); a loop's first point is not repeated at its end."""
-        array = distinct(np.array(self.points, dtype=float))
-        extent = np.ptp(array, axis=0).max()
-        if self.loop and np.hypot(*(array[-1] - array[0])) <= 1e-6 * extent:
-            array = array[:-1]
-        if self.loop and len(array) < 3:
-            raise InvalidInput("points", len(array), "a loop needs at least three different points")
-        return array
+        return self._raw_points[self._kept]
 
     @cached_property
-    def _chords(self) -> tuple[Array, Array]:
-        """Chord length (m) at every point, and the points; a loop comes back to its first one."""
-        points = (
-            np.concatenate([self.waypoints, self.waypoints[:1]]) if self.loop else self.waypoints
-        )
-        chords = np.hypot(*np.diff(points, axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(chords)]), points
+    def _corners(self) -> Array:
+        """The points; a loop comes back to its first one."""
+        points = self.waypoints
+        corners = np.concatenate([points, points[:1]]) if self.loop else points
+        if len(corners) > 2:
+            require_forward(corners, self._kept, self.loop)
+        return corners
 
     @cached_property
-    def _spline(self) -> Any:
+    def _fit(self) -> _Fit:
+        corners = self._corners
+        own = np.arange(len(self._kept))
+        if len(corners) == 2:  # a straight line: a quintic with free ends needs three points
+            corners, own = np.insert(corners, 1, corners.mean(axis=0), axis=0), 2 * own
+        chords = np.concatenate([[0.0], np.cumsum(steps_of(corners))])
+        if self.tolerance > 0.0 and len(self.waypoints) > DEGREE:
+            spline, u = smooth(chords, corners, self.tolerance, self.loop)
+            return _Fit(spline, u, corners, own)
+        fit = _Fit(self._through(chords, corners), chords, corners, own)
+        uneven = uneven_legs(corners, self.loop)
+        if not uneven.any():
+            return fit
+        samples, leg = self._between(fit)
+        bulges = distances(samples, corners, leg) > allowance(samples, leg, corners, self.loop)
+        return self._guided(fit) if (bulges & uneven[leg]).any() else fit
+
+    def _through(self, u: Array, points: Array) -> Any:
         from scipy.interpolate import make_interp_spline
 
-        u, points = self._chords
-        if self.tolerance > 0.0:
-            return self._smooth(u, points)
         if self.loop:
             return make_interp_spline(u, points, k=DEGREE, bc_type="periodic")
         free: Any = [(3, np.zeros(2)), (4, np.zeros(2))]  # natural ends
         return make_interp_spline(u, points, k=DEGREE, bc_type=(free, free))
 
-    def _smooth(self, u: Array, points: Array) -> Any:
-        """The smoothest spline whose distance from every point is within the tolerance.
+    def _guided(self, fit: _Fit) -> _Fit:
+        """The spline through the points and guides between them, as many as it takes.
 
-        Noise makes the chord length of the points too long; the parameters are therefore taken from
-        the first fit's own arc length, at its nearest points, and the fit is repeated.
+        Steps that grow twofold from one to the next want the square root of the chord as parameter:
+        with the chord itself the quintic's ripples would grow with the steps.
         """
-        rough = self._smoothest(u, points)
-        again = self._feet(rough, u, points)
-        return self._smoothest(again, points) if (np.diff(again) > 0).all() else rough
-
-    def _smoothest(self, u: Array, points: Array) -> Any:
-        from scipy.interpolate import BSpline, splprep
-
-        fitted: Any
-        best, low, high = None, 0.0, 2.0 * self.tolerance**2 * len(points)
-        trial = high
-        for _ in range(30):
-            fitted = splprep(points.T, u=u, k=min(DEGREE, len(points) - 1), s=trial, per=self.loop)
-            knots, coefficients, degree = fitted[0]
-            spline = BSpline(knots, np.transpose(coefficients), degree)
-            if np.hypot(*(spline(u) - points).T).max() <= self.tolerance:
-                best, low = spline, trial
-            else:
-                high = trial
-            if best is not None and high - low <= 0.02 * high:
+        corners = self._corners
+        leg, along = graded(corners, self.loop)
+        wish = np.asarray(fit.spline(fit.parameters[leg] + along))
+        for _ in range(SPLITS):
+            guides = place(corners, self.loop, leg, along, wish)
+            points = np.concatenate([guides, corners[-1:]])
+            u = np.concatenate([[0.0], np.cumsum(np.sqrt(steps_of(points)))])
+            own = np.searchsorted(leg, np.arange(len(self._kept)))
+            fit = _Fit(self._through(u, points), u, points, own)
+            samples, step = self._between(fit)
+            far = distances(samples, corners, leg[step])
+            far_steps = np.unique(step[far > allowance(samples, leg[step], corners, self.loop)])
+            if not len(far_steps):
                 break
-            trial = 0.5 * (low + high)
-        if best is None:
-            raise NoSolution(f"no smoothing spline keeps a tolerance of {self.tolerance:g} m")
-        return best
+            ends = np.append(along[1:], 0.0)
+            ends = np.where(ends > 0.0, ends, steps_of(corners)[leg])
+            middle = 0.5 * (u[far_steps] + u[far_steps + 1])
+            wish = np.insert(guides, far_steps + 1, np.asarray(fit.spline(middle)), axis=0)
+            halves = 0.5 * (along + ends)[far_steps]
+            along = np.insert(along, far_steps + 1, halves)
+            leg = np.insert(leg, far_steps + 1, leg[far_steps])
+        return fit
 
     @staticmethod
-    def _feet(spline: Any, u: Array, points: Array) -> Array:
-        """Arc length (m) of the points of the spline that are nearest to ``points``, in order."""
-        dense = np.linspace(u[0], u[-1], 32 * len(u) + 1)
-        curve = spline(dense)
-        arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))])
-        reach = 64  # samples to both sides: a foot does not jump to another branch
-        feet = np.empty(len(u))
-        for n, place in enumerate(np.searchsorted(dense, u)):
-            here = slice(max(0, place - reach), place + reach + 1)
-            near = np.hypot(*(curve[here] - points[n]).T)
-            feet[n] = arc[here][near.argmin()]
-        feet[0], feet[-1] = 0.0, arc[-1]
-        return np.maximum.accumulate(feet) + 1e-9 * arc[-1] * np.arange(len(u))
+    def _between(fit: _Fit) -> tuple[Array, Any]:
+        """Samples of a spline between its corners, shape (n, 2), and the leg of each."""
+        leg = np.repeat(np.arange(len(fit.nodes) - 1), SAMPLES)
+        part = np.tile((np.arange(SAMPLES) + 0.5) / SAMPLES, len(fit.nodes) - 1)
+        u = fit.parameters[leg] * (1.0 - part) + fit.parameters[leg + 1] * part
+        return np.asarray(fit.spline(u)), leg
 
     @cached_property
     def _arc(self) -> ArcLength:
-        return along(self._spline, 2048)
+        return along(self._fit.spline, 2048)
+
+    @cached_property
+    def polyline_error(self) -> PolylineError:
+        """How far the curve leaves the polyline through its points."""
+        samples, step = self._between(self._fit)
+        leg = np.searchsorted(self._fit.own, step, side="right") - 1
+        far = distances(samples, self._corners, leg)
+        x, y = samples[far.argmax()]
+        return PolylineError(float(far.max()), float(np.sqrt((far**2).mean())), float(x), float(y))
 
     @cached_property
     def deviation(self) -> tuple[float, float]:
-        """Largest and root-mean-square distance (m) of the points from the curve."""
-        from scipy.spatial import KDTree
-
-        s = np.linspace(0.0, self.length, 64 * len(self.waypoints) + 1)
-        point = self.at(s)
-        curve = np.stack([point.x, point.y], axis=1)
-        near: Any = KDTree(curve).query(self.waypoints)[1]
-        foot = s[near]
-        for _ in range(4):  # Newton, from the nearest sample to the foot
-            point = self.at(foot)
-            dx, dy = self.waypoints[:, 0] - point.x, self.waypoints[:, 1] - point.y
-            cosine, sine = np.cos(point.heading), np.sin(point.heading)
-            slack = np.maximum(1.0 - point.curvature * (dy * cosine - dx * sine), 0.1)
-            foot = np.clip(foot + (dx * cosine + dy * sine) / slack, 0.0, self.length)
-        point = self.at(foot)
-        distance = np.hypot(self.waypoints[:, 0] - point.x, self.waypoints[:, 1] - point.y)
+        """Largest and root-mean-square distance (m) of the points, merged ones too, from the curve."""
+        fit = self._fit
+        spline, first, second = fit.spline, fit.spline.derivative(1), fit.spline.derivative(2)
+        place = np.searchsorted(self._kept, np.arange(len(self._raw_points)), side="right") - 1
+        foot = fit.parameters[fit.own[place]]
+        away = np.hypot(*(np.asarray(spline(foot)) - self._raw_points).T)
+        reach = 2.0 * away / np.hypot(*np.asarray(first(foot)).T)  # no nearer point lies beyond
+        low = np.maximum(foot - reach, fit.parameters[0])
+        high = np.minimum(foot + reach, fit.parameters[-1])
+        for _ in range(4):  # Newton, from the parameter of a point to its foot
+            off, tangent = np.asarray(spline(foot)) - self._raw_points, np.asarray(first(foot))
+            square = (tangent**2).sum(axis=1)
+            slope = square + (off * np.asarray(second(foot))).sum(axis=1)
+            step = (off * tangent).sum(axis=1) / np.maximum(slope, 0.1 * square)
+            foot = np.clip(foot - step, low, high)
+        distance = np.hypot(*(np.asarray(spline(foot)) - self._raw_points).T)
         return float(distance.max()), float(np.sqrt((distance**2).mean()))
 
 
-class Nurbs(Sampled):
-    """A non-uniform rational B-spline, as VDA 5050 describes a trajectory.
-
-    Raises:
-        InvalidInput: Counts that do not fit, knots that decrease, or a curvature that jumps.
-    """
-
-    kind: Literal["nurbs"] = "nurbs"
-    degree: int = quantity("1", "degree, at least 1", default=3, ge=1, le=9)
-    knots: tuple[float, ...] = quantity("1", "knot vector: points + degree + 1 numbers")
-    points: Points = quantity("m", "control points (x, y)")
-    weights: tuple[float, ...] | None = quantity("1", "weights, by default 1", default=None)
-    curvature_jump: float = quantity("1/m", "largest jump that is allowed", default=1e-3, ge=0)
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        count = len(self.points)
-        if len(self.knots) != count + self.degree + 1:
-            raise InvalidInput(
-                "knots",
-                len(self.knots),
-                f"must be {count + self.degree + 1} numbers (points + degree + 1)",
-            )
-        if not (np.diff(self.knots) >= 0).all() or not self.knots[-1] > self.knots[0]:
-            raise InvalidInput("knots", self.knots, "must not decrease")
-        if self.weights is not None and (len(self.weights) != count or min(self.weights) <= 0):
-            raise InvalidInput("weights", self.weights, f"must be {count} positive numbers")
-        self._check_knots()
-        return self
-
-    def _check_knots(self) -> None:
-        """At a multiple knot the curve is less smooth: refuse a jump of heading or curvature."""
-        low, high = self.knots[self.degree], self.knots[-self.degree - 1]
-        inner = np.unique([k for k in self.knots if low < k < high])
-        sides = 1e-9 * (high - low)
-        for knot in inner:
-            before, after = (self._bend(np.array([knot + sign * sides])) for sign in (-1, 1))
-            jump = float(after - before)
-            if abs(jump) > self.curvature_jump:
-                raise InvalidInput(
-                    "knots", float(knot), f"the curvature jumps there by {jump:.4g} 1/m; use degree "
-                    f"{max(3, self.degree)} or more and no knot more than degree − 2 times",
-                )  # fmt: skip
-
-    def _bend(self, p: Array) -> Any:
-        first, second = self._derivative(p, 1)[0], self._derivative(p, 2)[0]
-        return (first[0] * second[1] - first[1] * second[0]) / np.hypot(*first) ** 3
-
-    @cached_property
-    def _homogeneous(self) -> list[Any]:
-        from scipy.interpolate import BSpline
-
-        weights = np.array(self.weights or np.ones(len(self.points)))[:, None]
-        lifted = np.concatenate([np.array(self.points) * weights, weights], axis=1)
-        spline = BSpline(np.array(self.knots), lifted, self.degree)
-        orders = [spline.derivative(n) for n in range(1, min(3, self.degree) + 1)]
-        flat = [lambda p: np.zeros((len(p), 3))] * (3 - len(orders))  # beyond the degree
-        return [spline, *orders, *flat]
-
-    def _derivative(self, p: Array, order: int) -> Array:
-        """Leibniz's rule on r · w: r⁽ⁿ⁾ = (A⁽ⁿ⁾ − Σ binom(n, k) w⁽ᵏ⁾ r⁽ⁿ⁻ᵏ⁾) / w."""
-        lifted = [np.asarray(self._homogeneous[n](p)) for n in range(order + 1)]
-        weight = [part[:, 2:] for part in lifted]
-        pascal = [[1], [1, 1], [1, 2, 1], [1, 3, 3, 1]]
-        results: list[Array] = []
-        for n in range(order + 1):
-            rest = lifted[n][:, :2]
-            for k in range(1, n + 1):
-                rest = rest - pascal[n][k] * weight[k] * results[n - k]
-            results.append(rest / weight[0])
-        return results[order]
-
-    @cached_property
-    def _arc(self) -> ArcLength:
-        low, high = self.knots[self.degree], self.knots[-self.degree - 1]
-        inner = sorted({k for k in self.knots if low < k < high})
-        return ArcLength(self._derivative, [low, *inner, high], 1024)
-
-
-def distinct(points: Array) -> Array:
-    """The points without those that repeat their predecessor."""
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    return points[np.concatenate([[True], steps > DUPLICATE * extent])]
+__all__ = ["DEGREE", "Nurbs", "PolylineError", "Spline"]

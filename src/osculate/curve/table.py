@@ -12,6 +12,9 @@ from osculate.kernel import Grid, Tables, hermite, kernel, locate, lookup
 
 COLUMNS = 7  # x, y, cos θ, sin θ, θ, κ, dκ/ds
 CELLS = 4096  # default resolution
+MOST_BEYOND = 1 << 16  # cells beyond each end; a far shorter curve gets coarser ones
+MOST_TURN = 1.0  # rad, within one cell
+MOST_CELLS = 10_000_000  # of one table: 560 MB
 
 
 class CurveTable(NamedTuple):
@@ -39,13 +42,13 @@ def tabulate(curve: Curve, tables: Tables, cells: int = CELLS, margin: float = 0
             around the lap of a closed curve.
 
     Raises:
-        InvalidInput: The curve has no length, or is not finite somewhere (says where).
+        InvalidInput: The curve has no length, needs more cells than fit, or is not finite somewhere
+            (says where).
     """
     length = curve.length
     if not (math.isfinite(length) and length > 0):
         raise InvalidInput("curve.length", length, "must be a positive, finite length (m)")
-    step = length / cells
-    extra = math.ceil(margin / step)
+    step, extra, cells = _layout(length, cells, margin)
     s = np.arange(-extra, cells + extra + 1) * step
     s[extra + cells] = length
     point = _extended(curve, s)
@@ -61,11 +64,38 @@ def tabulate(curve: Curve, tables: Tables, cells: int = CELLS, margin: float = 0
         ],
         axis=1,
     )
+    _require_drivable(s, rows, step)
+    return CurveTable(tables.add(rows, -extra * step, step), length)
+
+
+def _layout(length: float, cells: int, margin: float) -> tuple[float, int, int]:
+    """Step of the rows (m), cells beyond each end, cells on the curve itself."""
+    if cells > MOST_CELLS:
+        raise InvalidInput(
+            "curve.length", length, f"would need {cells / 1e6:.3g} M cells, at most "
+            f"{MOST_CELLS / 1e6:g} M fit: drive it in parts, or fewer laps",
+        )  # fmt: skip
+    step = length / cells
+    if margin > MOST_BEYOND * step:
+        cells = math.ceil(length * MOST_BEYOND / margin)
+        step = length / cells
+    extra = math.ceil(margin / step)
+    return step, extra, cells
+
+
+def _require_drivable(s: NDArray[Any], rows: NDArray[np.float64], step: float) -> None:
+    """Refuse a table that is not finite, or whose cells turn too far."""
     bad = ~np.isfinite(rows).all(axis=1)
     if bad.any():
         where = float(s[bad.argmax()])
         raise InvalidInput("curve", f"not finite at s = {where:.6g} m", "must be smooth and finite")
-    return CurveTable(tables.add(rows, -extra * step, step), length)
+    turns = np.abs(np.diff(rows[:, 4]))
+    if turns.max() > MOST_TURN:
+        where = float(s[turns.argmax()])
+        raise InvalidInput(
+            "curve", f"turns by {turns.max():.3g} rad within {step:.3g} m near s = {where:.6g} m",
+            f"must turn by at most {MOST_TURN:g} rad within a cell: it is too fine to be driven",
+        )  # fmt: skip
 
 
 def _extended(curve: Curve, s: NDArray[Any]) -> CurvePoint:

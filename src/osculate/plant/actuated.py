@@ -36,12 +36,9 @@ class ActuatedPlant(Plant):
 
     def real(self, robot: Tricycle) -> Tricycle:
         """The robot as it is: loaded, its wheels worn."""
-        loaded = robot.model_copy(update={"body_mass": robot.body_mass + self.payload})
-        return Tricycle(
-            **{
-                **{name: getattr(loaded, name) for name in type(robot).model_fields},
-                "wheel_radius": robot.wheel_radius * (1.0 - self.wheel_wear),
-            }
+        return robot.but(
+            body_mass=robot.body_mass + self.payload,
+            wheel_radius=robot.wheel_radius * (1.0 - self.wheel_wear),
         )
 
     @property

@@ -54,8 +54,7 @@ class World:
             if name not in known:
                 message = f"does not fit the plant {type(self.plant).__name__}, which has no {name}"
                 raise InvalidInput("faults", fault, message)
-        values = {name: getattr(self.plant, name) for name in known}
-        return replace(self, plant=type(self.plant)(**{**values, **fields}))
+        return replace(self, plant=self.plant.but(**fields))
 
     def with_blow(self, blow: Blow) -> "World":
         """The world with one more push, which gets random numbers of its own."""

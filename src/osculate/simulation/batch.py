@@ -21,9 +21,10 @@ from osculate.simulation.blocks import (
     run_block,
     single_block,
 )
-from osculate.simulation.loop import Loop, Setup, close_loop
+from osculate.simulation.loop import Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.run import make_setup
+from osculate.simulation.size import longest, require_size
 from osculate.simulation.variables import Variable, variables_of
 
 LANES = 64  # runs side by side in one block
@@ -93,6 +94,10 @@ def simulate_batch(
     loops = _close_loops(given, count)
     columns = _Columns(loops, varied, count)
     first = loops[0]
+    clock = first.setup.clock
+    rows = longest(clock, first.plan) / clock.step / record_every if record_every else 0.0
+    kept = size(first.initial) + (rows + 1.0) * size(first.row)
+    require_size("runs", count, count * kept, f"{count:.3g} runs with {rows:.3g} rows each")
 
     starts = range(0, count, LANES)
     done = 0

@@ -14,13 +14,14 @@ from osculate.control import Controller, Ekf, PathTracker, Safety
 from osculate.control.reasons import CAUSES, REASONS, explain
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
-from osculate.plant import Actuated, Disturbance, Fault, Mujoco, Plant, Sensors
+from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Sensors
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
-from osculate.simulation.loop import InitialState, Loop, Setup, close_loop
+from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.records import DIVERGED, FINISHED, STOPPED
+from osculate.simulation.size import longest, require_size, require_slots
 from osculate.simulation.variables import variables_of
 from osculate.target import Limits, SpeedPlan, Target
 from osculate.vehicle import Tricycle
@@ -220,11 +221,16 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
     for fault in named.get("faults", ()):
         if not isinstance(fault, Fault):
             raise InvalidInput("faults", fault, "must be a Fault")
-    return Setup(**named)
+    setup = Setup(**named)
+    require_slots(setup.clock, sum(f.delay for f in setup.faults if isinstance(f, Late)))
+    return setup
 
 
 def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     """Run a closed loop once, recording every step."""
+    clock = loop.setup.clock
+    steps, width = longest(clock, loop.plan) / clock.step, size(loop.row)
+    require_size("clock.duration", clock.duration, steps * width, f"{steps:.3g} steps of {width}")
     done = run_block(loop, single_block(loop), every=1, report=report)
     final: Any = final_run(loop, done.runs)
     code = float(final.status.code[0])

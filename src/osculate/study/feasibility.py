@@ -1,12 +1,16 @@
 """Inspecting a curve: how long, how tight, and whether a robot can follow it at a speed."""
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from osculate.curve import Curve, CurveFile
-from osculate.curve.spline import Spline
+from osculate.curve.files.source import read_text
+from osculate.curve.spline import PolylineError, Spline
 from osculate.errors import InvalidInput
 from osculate.simulation.plot import BLUE, ORANGE, RED, new_figure
 from osculate.study.comparison.suite import CURVES
@@ -15,6 +19,7 @@ from osculate.target import Limits
 from osculate.vehicle import Tricycle
 
 SAMPLES = 20001
+SHOWN = 1e-6  # m, distance from the polyline of which the place is told
 
 
 @dataclass(frozen=True)
@@ -26,6 +31,7 @@ class Feasibility:
     curvature: tuple[float, float]  # 1/m, smallest and largest
     tightest: float  # m, arc length of the largest |κ|
     deviation: tuple[float, float] | None  # m, largest and RMS distance of given points
+    polyline: PolylineError | None  # m, how far it leaves the polyline through them
     steering_angle: float  # rad, largest that is needed
     steering_angle_limit: float  # rad
     rate_speed: float  # m/s, at which the steering rate limit is reached
@@ -33,6 +39,12 @@ class Feasibility:
     lateral_speed: float  # m/s, at which the lateral acceleration reaches the task's default limit
     tipping_speed: float  # m/s, at which the robot tips
     speed: float  # m/s, asked for
+    slowest: (
+        float  # m/s, largest speed at the worst of the places that allow less than is asked for
+    )
+    file_speeds: tuple[float, float] | None = (
+        None  # m/s, smallest and largest that the file asks for
+    )
 
     @property
     def feasible(self) -> bool:
@@ -48,12 +60,14 @@ class Feasibility:
                 f"angle of {np.degrees(self.steering_angle):.4g}°, its limit is "
                 f"{np.degrees(self.steering_angle_limit):.4g}°."
             )
-        slowest = min(self.rate_speed, self.lateral_speed, self.tipping_speed)
-        if slowest >= self.speed:
-            return f"This robot can follow the curve at {self.speed:g} m/s everywhere."
+        asked = f"{self.speed:g} m/s"
+        if self.file_speeds:
+            asked += " or the file's speed, whichever is less,"
+        if self.slowest >= self.speed:
+            return f"This robot can follow the curve at {asked} everywhere."
         return (
-            f"This robot can follow the curve, but not at {self.speed:g} m/s everywhere: it has to slow "
-            f"down to {slowest:.3g} m/s at the worst place."
+            f"This robot can follow the curve, but not at {asked} everywhere: it has to slow "
+            f"down to {self.slowest:.3g} m/s at the worst place."
         )
 
     def rows(self) -> list[tuple[str, str]]:
@@ -71,9 +85,16 @@ class Feasibility:
             ("lateral acceleration limit at", f"{self.lateral_speed:.4g} m/s"),
             ("tips at", f"{self.tipping_speed:.4g} m/s"),
         ]
+        if self.file_speeds:
+            rows.append(("speeds of the file", "{:.4g} … {:.4g} m/s".format(*self.file_speeds)))
         if self.deviation:
             worst, rms = self.deviation
             rows.insert(1, ("distance from the points", f"max {worst:.3g} m, RMS {rms:.3g} m"))
+        if self.polyline:
+            far = self.polyline
+            where = f" near ({far.x:.4g}, {far.y:.4g})" if far.largest > SHOWN else ""
+            told = f"max {far.largest:.3g} m{where}, RMS {far.rms:.3g} m"
+            rows.insert(2, ("distance from the polyline", told))
         return rows
 
     @property
@@ -82,22 +103,65 @@ class Feasibility:
         return 1.0 / max(abs(self.curvature[0]), abs(self.curvature[1]), 1e-12)
 
 
-def load_curve(source: str, scale: float = 1.0, tolerance: float = 0.0) -> Curve:
-    """A built-in curve, the curve of a scenario file, or a curve file.
+class Loaded(NamedTuple):
+    """A curve and the robot that comes with it."""
+
+    curve: Curve
+    robot: Tricycle | None  # of a scenario
+
+
+def load_curve(source: str, scale: float = 1.0, tolerance: float = 0.0, **options: Any) -> Curve:
+    """A built-in curve, the curve of a scenario file, or a curve file; see `load_source`."""
+    return load_source(source, scale=scale, tolerance=tolerance, **options).curve
+
+
+def load_source(source: str, **options: Any) -> Loaded:
+    """A built-in curve, the curve and the robot of a scenario file, or a curve file.
+
+    Args:
+        source: Name or path.
+        **options: Fields of `osculate.CurveFile` other than ``path``.
 
     Raises:
-        InvalidInput: Not readable, or no curve.
+        InvalidInput: Not readable, or no curve; options for a curve that comes from no file.
     """
+    given = {
+        name: value
+        for name, value in options.items()
+        if value != CurveFile.model_fields[name].default
+    }
     if source in CURVES:
-        return CURVES[source]
+        return Loaded(_with(CURVES[source], source, given), None)
     path = Path(source)
-    if not path.is_file():
+    if not _exists(path):
         raise InvalidInput("curve", source, f"must be a file or one of {', '.join(CURVES)}")
-    if path.suffix.lower() in (".yaml", ".yml"):
-        text = path.read_text(encoding="utf-8")
-        if "\ncurve:" in f"\n{text}" or "\nscene:" in f"\n{text}":
-            return Scenario.load(path).curve
-    return CurveFile(path=source, scale=scale, tolerance=tolerance)
+    if path.suffix.lower() in (".yaml", ".yml") and _is_scenario(read_text(path).content):
+        scenario = Scenario.load(path)
+        return Loaded(_with(scenario.curve, source, given), scenario.robot)
+    return Loaded(CurveFile(path=source, **given), None)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long
+        return False
+
+
+def _is_scenario(text: str) -> bool:
+    """Whether the keys at the left margin are those of a scenario."""
+    keys = set(re.findall(r"^([A-Za-z_]\w*)[ \t]*:", text, flags=re.MULTILINE))
+    return bool(keys & {"curve", "scene"}) or bool(keys and keys <= set(Scenario.model_fields))
+
+
+def _with(curve: Curve, source: str, given: Mapping[str, Any]) -> Curve:
+    if not given:
+        return curve
+    if not isinstance(curve, CurveFile):
+        name, value = next(iter(given.items()))
+        raise InvalidInput(name, value, f"is for curves from files; {source} is none")
+    fields = {name: getattr(curve, name) for name in CurveFile.model_fields}
+    return CurveFile(**{**fields, **given})
 
 
 def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibility:
@@ -108,20 +172,30 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
     """
     if not speed > 0:
         raise InvalidInput("speed", speed, "must be positive (m/s)")
-    s = np.linspace(0.0, curve.length, SAMPLES)
+    inner = curve.curve if isinstance(curve, CurveFile) else curve
+    given = len(inner.points) if isinstance(inner, Spline) else 0
+    even = np.linspace(0.0, curve.length, max(SAMPLES, 4 * given + 1))
+    s = np.union1d(even, inner.tight_places)
     point = curve.at(s)
     bend = np.abs(point.curvature)
     a, act = robot.wheelbase, robot.actuators
     turning = a * np.abs(point.curvature_rate) / (1.0 + (a * bend) ** 2)
     worst = int(turning.argmax())
     most = float(max(bend.max(), 1e-12))
-    inner = curve.curve if isinstance(curve, CurveFile) else curve
+    lateral = min(Limits().lateral_acceleration, robot.tipping_acceleration)
+    able = np.minimum(
+        act.steering_rate_limit / np.maximum(turning, 1e-12),
+        np.sqrt(lateral / np.maximum(bend, 1e-12)),
+    )
+    limit = curve.speed_limit(s)
+    asked = np.full(len(s), speed) if limit is None else np.minimum(limit, speed)
     return Feasibility(
         length=curve.length,
         closed=curve.closed,
         curvature=(float(point.curvature.min()), float(point.curvature.max())),
         tightest=float(s[bend.argmax()]),
         deviation=inner.deviation if isinstance(inner, Spline) else None,
+        polyline=inner.polyline_error if isinstance(inner, Spline) else None,
         steering_angle=float(np.arctan(a * most)),
         steering_angle_limit=act.steering_angle_limit,
         rate_speed=float(act.steering_rate_limit / max(turning.max(), 1e-12)),
@@ -129,6 +203,8 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
         lateral_speed=float(np.sqrt(Limits().lateral_acceleration / most)),
         tipping_speed=float(np.sqrt(robot.tipping_acceleration / most)),
         speed=speed,
+        slowest=float(np.where(able < asked, able, np.inf).min()),
+        file_speeds=None if limit is None else (float(limit.min()), float(limit.max())),
     )
 
 

@@ -11,6 +11,7 @@ from pydantic import Field, field_validator, model_validator
 from osculate.control import CurvatureLaw, Ekf, Safety
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
+from osculate.curve.files.documents import load_yaml
 from osculate.errors import InvalidInput, choose
 from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
 from osculate.scene import Scene, Wall
@@ -85,9 +86,7 @@ class Scenario(Spec):
         plants: dict[str, AnyPlant] = {
             "actuated": Actuated(), "slip": Slip(), "mujoco": Mujoco(),
         }  # fmt: skip
-        chosen = choose("plant", plant, plants)
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return Scenario(**{**fields, "plant": chosen})
+        return self.but(plant=choose("plant", plant, plants))
 
     @cached_property
     def parts(self) -> dict[str, Any]:
@@ -125,9 +124,19 @@ def _text(source: str) -> tuple[str, str]:
     )
 
 
+def _check(text: str, label: str) -> None:
+    """No key twice, no number that programs read differently, nothing without bounds."""
+    try:
+        load_yaml(text, label, lambda fraction: None, decimal=True)
+    except InvalidInput as error:
+        if "is not valid YAML" not in error.valid:
+            raise InvalidInput("scenario", error.value, error.valid) from None
+
+
 def _mapping(text: str, label: str) -> dict[str, Any]:
     import yaml
 
+    _check(text, label)
     try:
         loaded = yaml.safe_load(text)
     except yaml.YAMLError as error:

@@ -9,7 +9,9 @@ With E(s) = v² / 2 the acceleration along the path is E' = dE/ds, and the limit
     jerk:           |v E''| ≤ j_max
 
 The fastest profile minimises ∫ ds / v. Power and jerk are taken at the last iterate, the objective is
-linearised there, and the linear programmes that follow are solved by HiGHS: a few suffice.
+linearised there, and the linear programmes that follow are solved by HiGHS: a few suffice. Nothing is
+faster than the profile without jerk and motors, which two passes give; on long curves where jerk and
+motors seldom bind it is the bound that the solver starts from.
 """
 
 from dataclasses import dataclass
@@ -29,6 +31,10 @@ Array = NDArray[np.float64]
 ITERATIONS = 5
 NODES = 1200  # of the programme; more on long curves is seldom worth its time
 FINEST = 0.01  # m, no step is shorter
+COARSEST = 0.15  # m, no step is longer
+MOST_NODES = 1_000_000
+LONG = 5000  # nodes from which on a programme starts from the fastest profile of two passes,
+SELDOM = 0.01  # if jerk and motors would change it at no larger part of the nodes
 
 
 class Limits(Spec):
@@ -109,9 +115,15 @@ class SpeedPlan:
 class _Problem(NamedTuple):
     s: Array
     point: CurvePoint
-    closed: bool
+    around: bool  # whether it is a lap that ends as fast as it starts
     caps: dict[str, Array]  # limit to the largest E
     low: float  # smallest E
+    ends: tuple[float | None, float | None]  # largest E at both ends; None where it is free
+
+    @property
+    def step(self) -> float:
+        """Distance of the nodes (m)."""
+        return float(self.s[1])
 
 
 def plan_speed(
@@ -138,29 +150,29 @@ def plan_speed(
     if ceiling is not None:
         problem.caps[ceiling.name] = ceiling.at(problem.s) ** 2 / 2.0
     energy = _first_guess(problem, limits)
+    most = _known_bound(problem, robot, limits, energy)
     for _ in range(ITERATIONS):
         before = energy
-        energy = _solve(problem, robot, limits, energy)
+        energy = _solve(problem, robot, limits, energy, most)
         if np.abs(energy - before).max() <= 1e-4 * energy.max():
             break
     return SpeedPlan(problem.s, energy, _binding(problem, robot, limits, energy))
 
 
 def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
-    cells = int(np.clip(curve.length / FINEST, 20, max(NODES, curve.length / 0.15)))
+    wanted = np.clip(curve.length / FINEST, 20, max(NODES, curve.length / COARSEST))
+    if not wanted <= MOST_NODES:
+        raise InvalidInput(
+            "curve.length", curve.length, f"a speed plan would need {wanted / 1e6:.3g} M nodes, at most "
+            f"{MOST_NODES / 1e6:g} M: must be at most {MOST_NODES * COARSEST:g} m; drive it in parts, or "
+            "fewer laps",
+        )  # fmt: skip
+    cells = int(wanted)
     s = np.linspace(0.0, curve.length, cells + 1)
     point = curve.at(s)
     act, a = robot.actuators, robot.wheelbase
     bend = np.abs(point.curvature)
-    tightest = np.tan(act.steering_angle_limit) / a
-    if bend.max() > tightest:
-        worst = int(bend.argmax())
-        raise NoSolution(
-            f"the robot cannot follow the curve: at s = {s[worst]:.4g} m it bends with "
-            f"{point.curvature[worst]:.4g} 1/m, which needs a steering angle of "
-            f"{np.degrees(np.arctan(a * bend[worst])):.4g}°; the limit is "
-            f"{np.degrees(act.steering_angle_limit):.4g}°"
-        )
+    _require_steerable(curve, robot, s, point.curvature)
     turning = a * np.abs(point.curvature_rate) / (1.0 + (a * bend) ** 2)
     tiny = 1e-12
     caps = {
@@ -171,23 +183,37 @@ def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
             (limits.steering * act.steering_rate_limit / np.maximum(turning, tiny)) ** 2 / 2.0
         ),
     }
-    return _Problem(s, point, curve.closed, caps, limits.creep**2 / 2.0)
-
-
-def _ends(problem: _Problem, limits: Limits) -> tuple[float | None, float | None]:
-    """Prescribed E at both ends; None where it is free."""
+    own = curve.speed_limit(s)
+    if own is not None:
+        caps["the curve's own speeds"] = own**2 / 2.0
+    low = limits.creep**2 / 2.0
 
     def energy(given: float | None) -> float | None:
         if given is None:
-            return None if problem.closed else problem.low
+            return None if curve.closed else low
         return max(given, limits.creep) ** 2 / 2.0
 
-    return energy(limits.start_speed), energy(limits.end_speed)
+    ends = energy(limits.start_speed), energy(limits.end_speed)
+    return _Problem(s, point, curve.closed and ends == (None, None), caps, low, ends)
 
 
-def _cap(problem: _Problem, limits: Limits) -> Array:
+def _require_steerable(curve: Curve, robot: Tricycle, s: Array, curvature: Array) -> None:
+    """Refuse a curve that bends more than the robot can, at a node or at a tight place between."""
+    limit, a = robot.actuators.steering_angle_limit, robot.wheelbase
+    places = np.append(s, curve.tight_places)
+    bends = np.append(curvature, curve.at(curve.tight_places).curvature)
+    worst = int(np.abs(bends).argmax())
+    if abs(bends[worst]) > np.tan(limit) / a:
+        raise NoSolution(
+            f"the robot cannot follow the curve: at s = {places[worst]:.4g} m it bends with "
+            f"{bends[worst]:.4g} 1/m, which needs a steering angle of "
+            f"{np.degrees(np.arctan(a * abs(bends[worst]))):.4g}°; the limit is {np.degrees(limit):.4g}°"
+        )
+
+
+def _cap(problem: _Problem) -> Array:
     cap: Array = np.maximum(np.min(list(problem.caps.values()), axis=0), problem.low)
-    for place, energy in zip((0, -1), _ends(problem, limits), strict=True):
+    for place, energy in zip((0, -1), problem.ends, strict=True):
         if energy is not None:
             cap[place] = min(cap[place], energy)
     return cap
@@ -195,10 +221,10 @@ def _cap(problem: _Problem, limits: Limits) -> Array:
 
 def _first_guess(problem: _Problem, limits: Limits) -> Array:
     """Forward and backward passes under the caps and the accelerations alone."""
-    energy = _cap(problem, limits)
-    step = problem.s[1]
-    for _ in range(2 if problem.closed else 1):  # the second pass closes the lap
-        if problem.closed:
+    energy = _cap(problem)
+    step = problem.step
+    for _ in range(2 if problem.around else 1):  # the second pass closes the lap
+        if problem.around:
             energy[0] = energy[-1] = min(energy[0], energy[-1])
         for n in range(1, len(energy)):
             energy[n] = min(energy[n], energy[n - 1] + limits.acceleration * step)
@@ -213,7 +239,7 @@ def _drive_rows(
     """Drive force g E' + f E + rolling on every cell, and its bounds: (g, f, low, high), N."""
     act, r = robot.actuators, robot.wheel_radius
     k = 0.5 * (problem.point.curvature[1:] + problem.point.curvature[:-1])
-    dk = np.diff(problem.point.curvature) / problem.s[1]
+    dk = np.diff(problem.point.curvature) / problem.step
     mass = robot.total_mass + 2.0 * robot.wheel_inertia / r**2 + robot.turn_inertia * k**2
     centrifugal = 2.0 * robot.turn_inertia * k * dk
     rolling = act.rolling_resistance * robot.weight
@@ -225,12 +251,22 @@ def _drive_rows(
     return mass, centrifugal, -most - rolling, high - rolling
 
 
-def _solve(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> Array:
-    """One linear programme around the last iterate."""
-    from scipy.optimize import linprog
+def _known_bound(problem: _Problem, robot: Tricycle, limits: Limits, first: Array) -> Array | None:
+    """The first guess as an upper bound, where starting from it saves most of the work."""
+    if len(first) <= LONG:
+        return None
+    use = _use(problem, robot, limits, first)
+    bound = (use["jerk"] > 1.0 + 1e-9) | (use["motor"] > 1.0 + 1e-9)
+    return first.copy() if bound.mean() < SELDOM else None
+
+
+def _inequalities(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array
+) -> tuple[Any, Array]:
+    """Rows and bounds of ``rows @ E ≤ bounds`` around the last iterate."""
     from scipy.sparse import diags_array, vstack
 
-    n, step = len(energy), problem.s[1]
+    n, step = len(energy), problem.step
     slope: Any = diags_array([-1.0 / step, 1.0 / step], offsets=[0, 1], shape=(n - 1, n))
     mean: Any = diags_array([0.5, 0.5], offsets=[0, 1], shape=(n - 1, n))
     mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
@@ -247,19 +283,29 @@ def _solve(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) ->
         jerk,
         jerk,
     ]
-    if problem.closed and limits.start_speed is None and limits.end_speed is None:
+    if problem.around:
         around: Any = diags_array([1.0], offsets=[0], shape=(1, n)) - diags_array(
             [1.0], offsets=[n - 1], shape=(1, n)
         )
         rows += [around, -around]
         bounds += [np.zeros(1), np.zeros(1)]
+    return vstack(rows, format="csr"), np.concatenate(bounds)
+
+
+def _solve(
+    problem: _Problem, robot: Tricycle, limits: Limits, energy: Array, most: Array | None
+) -> Array:
+    """One linear programme around the last iterate, below an upper bound if one is known."""
+    from scipy.optimize import linprog
+
+    rows, bounds = _inequalities(problem, robot, limits, energy)
     gain = (2.0 * np.maximum(energy, problem.low)) ** -1.5
-    cap = _cap(problem, limits)
+    cap = _cap(problem) if most is None else most
     programme: Any = linprog  # its stubs know no sparse matrices
     solved = programme(
         -gain / gain.max(),
-        A_ub=vstack(rows, format="csr"),
-        b_ub=np.concatenate(bounds),
+        A_ub=rows,
+        b_ub=bounds,
         bounds=np.stack([np.minimum(problem.low, cap), cap], axis=1),
         method="highs",
     )
@@ -277,9 +323,9 @@ def _diagonal(values: Array) -> Any:
     return diags_array(values)
 
 
-def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> list[str]:
-    """The limit with the least room at every node."""
-    step = problem.s[1]
+def _use(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> dict[str, Array]:
+    """How far every limit is used at every node, 1 where it binds."""
+    step = problem.step
     slope = np.diff(energy) / step
     mass, centrifugal, low, high = _drive_rows(problem, robot, limits, energy)
     force = mass * slope + centrifugal * 0.5 * (energy[1:] + energy[:-1])
@@ -295,10 +341,12 @@ def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) 
     }
     bend = np.abs(np.diff(energy, 2)) / step**2 * np.sqrt(2.0 * energy[1:-1])
     use["jerk"] = np.pad(bend / limits.jerk, 1)
-    names = list(use)
-    table = np.array([use[name] for name in names])
-    chosen: list[str] = []
-    for column, value in zip(table.T, energy, strict=True):
-        most = int(column.argmax())
-        chosen.append("creep" if value <= 1.001 * problem.low else names[most])
-    return chosen
+    return use
+
+
+def _binding(problem: _Problem, robot: Tricycle, limits: Limits, energy: Array) -> list[str]:
+    """The limit with the least room at every node."""
+    use = _use(problem, robot, limits, energy)
+    names = np.array(list(use))
+    chosen = names[np.array(list(use.values())).argmax(axis=0)]
+    return np.where(energy <= 1.001 * problem.low, "creep", chosen).tolist()

@@ -10,9 +10,9 @@ the lateral acceleration v ω, O moves in the direction θ − c v ω, and with 
 where δ is what steering does not explain: it forgets itself within a fraction of a second.
 
 A pose that arrives late is compared with where the robot was when it was taken: the estimate, moved back
-by what was driven since. A pose that does not fit is left out, unless several in a row agree with each other.
-Every reading passes a gate of its own before it is used (`osculate.control.estimation.gates`), and a belief
-that is not finite is never taken: whatever is measured, what is believed stays finite.
+by what was driven since. A pose that does not fit is left out, unless several in a row agree with each
+other. Every reading passes a gate of its own before it is used (`osculate.control.estimation.gates`), and a
+belief that is not finite is never taken: whatever is measured, what is believed stays finite.
 """
 
 import math

@@ -3,9 +3,9 @@
 A reading that is not finite, that no robot can produce, or that contradicts two others, is refused: from
 then on it is missing (NaN). A reading that is merely surprising is used with less weight (see `learn`).
 
-The steering encoder is believed when it agrees with the model of the servo or with the yaw rate; a servo that
-is stuck, late or slow agrees with the latter. The gyro is believed when it agrees with the steering or with
-the wheels.
+The steering encoder is believed when it agrees with the model of the servo or with the yaw rate; a servo
+that is stuck, late or slow agrees with the latter. The gyro is believed when it agrees with the steering or
+with the wheels.
 """
 
 import math

@@ -1,8 +1,8 @@
 """How far aside a robot can come that steers and brakes as well as it can.
 
 In the path frame with lateral error y, heading error e and a curvature of the robot's own path that
-differs from that of the curve by δ. It takes the time t (delay, lag, and the servo's way at its largest rate)
-until the wheel stands as it should. Until then, at the speed v,
+differs from that of the curve by δ. It takes the time t (delay, lag, and the servo's way at its largest
+rate) until the wheel stands as it should. Until then, at the speed v,
 
     e₁ = e + δ v t,        y₁ = y + e v t + δ (v t)² / 2
 

@@ -1,8 +1,8 @@
 """Whether the steering does what it is told.
 
 A model of the servo starts wherever the servo was last seen to move. When the model has moved on and the
-servo has not, for longer than an unknown delay could explain, the steering is stuck. A servo that is late or
-slow moves, and is no reason to stop: whether it keeps the robot in its corridor is judged there.
+servo has not, for longer than an unknown delay could explain, the steering is stuck. A servo that is late
+or slow moves, and is no reason to stop: whether it keeps the robot in its corridor is judged there.
 """
 
 from typing import NamedTuple

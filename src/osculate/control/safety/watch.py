@@ -103,15 +103,24 @@ def blame(motion: Motion, expected: Motion, now: WatchMemory, p: WatchParameters
 
 @kernel
 def watch_motion(motion: Motion, expected: Motion, now: WatchMemory, p: WatchParameters) -> Any:
-    """The motion as far as it is to be believed, the memory, and the alarm."""
+    """The motion as far as it is to be believed, the memory, and the alarm.
+
+    A speed that the poses have been contradicting is replaced by theirs.
+    """
     fresh = now.known > 0.0
     believed, sudden = blame(motion, select(fresh, expected, motion), now, p)
     way, turn, bend = compare_means(motion, now, p)
     rate = abs(motion.yaw_rate)
+    slides = abs(way) > 0.25 + 0.15 * abs(motion.speed)
     creeping = YAW_RATE if abs(turn) > 0.25 + 0.25 * rate else 0.0
     creeping = STEERING_ANGLE if abs(bend) > 0.35 + 0.35 * rate else creeping
-    creeping = SPEED if abs(way) > 0.25 + 0.15 * abs(motion.speed) else creeping
+    creeping = SPEED if slides else creeping
     cause = sudden if sudden > 0.0 else creeping
     doubt = now.doubt + p.period if cause > 0.0 else 0.0
     alarm = select(doubt > p.patience, Alarm(IMPOSSIBLE, 0.0, cause), CALM)
-    return believed, WatchMemory(motion, 1.0, way, turn, bend, doubt, cause), alarm
+    moved = slides and sudden == 0.0
+    seen = Motion(
+        believed.x, believed.y, believed.heading,
+        motion.speed + way if moved else believed.speed, believed.yaw_rate, believed.steering_angle,
+    )  # fmt: skip
+    return seen, WatchMemory(motion, 1.0, way, turn, bend, doubt, cause), alarm

@@ -59,8 +59,8 @@ def feed_path_forward(
 ) -> Motive:  # fmt: skip
     """The path's angle, its rate and its acceleration, by central differences over ± one window.
 
-    Where the curvature has a corner, the rate passes from one side to the other within the window, half of it
-    before the corner: as fast as a servo whose command has a limited rate can follow.
+    Where the curvature has a corner, the rate passes from one side to the other within the window, half of
+    it before the corner: as fast as a servo whose command has a limited rate can follow.
     """
     t = p.window
     way, bow = pose.speed * t, 0.5 * acceleration * t * t

@@ -12,11 +12,9 @@ from osculate.control.gate import gate_command
 from osculate.control.reasons import (
     CALM,
     GYRO,
-    IMPOSSIBLE,
     NO_GYRO,
     NO_STEERING,
     STEERING,
-    UNDRIVEN,
     Alarm,
     is_stop,
 )
@@ -183,10 +181,7 @@ def track(
     )
     missing = watch_readings(evidence, memory.gate.undecided, foot.arc_length, memory.stop, p.stop)
     alarm = worst(missing, strange, danger, evidence, p)
-    reason = memory.stop.alarm.reason
-    heard = reason != IMPOSSIBLE and reason != UNDRIVEN
-    pace = motion.speed if heard else memory.speed.model
-    stop = come_to_rest(alarm, pace, foot.arc_length, memory.stop, p.stop)
+    stop = come_to_rest(alarm, motion.speed, foot.arc_length, memory.stop, p.stop)
     brakes = stop.alarm.reason > 0.0
     rests = waits or stop.resting > 0.0
 
@@ -194,9 +189,9 @@ def track(
     wanted = plan if plan < bound else bound
     torque, moved, speed_error = drive(
         motion.speed, 0.0 if brakes or waits else wanted, p.stop.deceleration if brakes else brake,
-        oldest.speed, heard, steering, memory.speed, p,
+        oldest.speed, evidence.wheels_age == 0.0, steering, memory.speed, p,
     )  # fmt: skip
-    torque, braking, speed_memory = settle(torque, pace, moved, stop, waits, p)
+    torque, braking, speed_memory = settle(torque, motion.speed, moved, stop, waits, p)
     servo = servo_angle(angle, sight.bias, sight.stretch)
     held = memory.gate.last.steering_angle
     decided = Command(held if rests else servo, 0.5 * torque, 0.5 * torque, braking)

@@ -10,8 +10,8 @@ In the path frame (lateral error y, heading error e, q = 1 − κ y, ' = d/ds):
     φ_d = atan(a (cos e / q) (κ + e'))
 
 This is geometric: the paths that the robot takes back to the curve do not depend on its speed, and nothing
-is divided by κ. φ_d, its rate and its acceleration are taken along the ideal motion from the pose at which the
-decision will act (`look_ahead`), in the middle of the period for which it is held. The servo is inverted:
+is divided by κ. φ_d, its rate and its acceleration are taken along the ideal motion from the pose at which
+the decision will act (`look_ahead`), in the middle of the period for which it is held. Its inverse is
 
     φ_c = φ_d + (2ζ/ω) φ̇_d + φ̈_d/ω² + g (φ − φ_d) + g' (φ̇ − φ̇_d)
 
@@ -163,9 +163,9 @@ class CurvatureTracker(PathTracker):
 def inversion_horizon(road: Road, length: float) -> float:
     """H (s): the shortest whose commands do not tremble; it is a matter of servo, delay and noise.
 
-    A pose that is believed to jump by (δy, δe) changes the wanted angle by about δφ = a (δy/L² + 2 δe/L) and
-    the command by (1 + |g|) δφ, where g, the gain of the servo's inverse, falls with ω h. A longer horizon
-    makes good deviations later, so that the first one whose command changes by no more than `CALM` is taken.
+    A pose that is believed to jump by (δy, δe) changes the wanted angle by about δφ = a (δy/L² + 2 δe/L)
+    and the command by (1 + |g|) δφ, where g, the gain of the servo's inverse, falls with ω h. A longer
+    horizon makes good deviations later: the first whose command changes by no more than `CALM` is taken.
 
     Args:
         road: Robot, timing and jitter of the believed pose; without jitter the stiffest is taken.
@@ -210,7 +210,7 @@ def exact_part(
     robot, act = road.robot, road.robot.actuators
     shortest = 0.4 * robot.wheelbase / tightness
     horizon = horizon or inversion_horizon(road, shortest)
-    _, _, *feedback = act.deadbeat(max(horizon, road.period))
+    _, _, angle_feedback, rate_feedback = act.deadbeat(max(horizon, road.period))
     lag = 2.0 * act.steering_damping / act.steering_frequency + (road.delay + 0.5) * road.period
     tipping = 0.9 * robot.tipping_acceleration
     parameters = ExactParameters(
@@ -223,7 +223,8 @@ def exact_part(
         max(RETURN / act.steering_frequency, road.period),
         2.0 * act.steering_damping / act.steering_frequency,
         act.steering_frequency**-2,
-        *feedback,
+        angle_feedback,
+        rate_feedback,
         shortest=shortest,
         time=0.8 * lag / tightness,
         slope=float(np.tan(approach_angle)),

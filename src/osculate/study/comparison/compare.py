@@ -177,8 +177,7 @@ def compare(
     body, task = robot or Tricycle(), limits or Limits()
     timing = clock or Sampled(period=0.01, delay=0.01)
     grid = list(itertools.product(paths, speeds, begins))
-    fields = {name: getattr(task, name) for name in type(task).model_fields}
-    allowed = {v: Limits(**{**fields, "speed": v, "creep": min(task.creep, v)}) for v in speeds}
+    allowed = {v: task.but(speed=v, creep=min(task.creep, v)) for v in speeds}
     longest = max(
         plan_speed(path, body, bound).duration
         for path in paths.values()
@@ -220,12 +219,11 @@ def _clock(timing: Sampled, state: Condition, robot: Tricycle, duration: float) 
     """The clock of a condition: its plant may need a shorter step."""
     plant = world_of(state.plant, state.faults).plant
     steps = math.ceil(timing.period / min(timing.step, plant.longest_step(robot)) - 1e-9)
-    fields = timing.model_dump() | {
-        "step": timing.period / steps,
-        "unknown_delay": timing.unknown_delay + state.unknown_delay,
-        "duration": duration,
-    }
-    return Sampled(**fields)
+    return timing.but(
+        step=timing.period / steps,
+        unknown_delay=timing.unknown_delay + state.unknown_delay,
+        duration=duration,
+    )
 
 
 Outcome = tuple[dict[str, Any], Trace]

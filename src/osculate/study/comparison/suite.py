@@ -51,11 +51,9 @@ class Condition(Spec):
         """The condition with other random numbers."""
         if not self.seeded:
             return self
-        sensors = self.sensors and self.sensors.model_copy(update={"seed": seed})
-        faults = tuple(
-            f.model_copy(update={"seed": seed}) if isinstance(f, Gusts) else f for f in self.faults
-        )
-        return self.model_copy(update={"sensors": sensors, "faults": faults})
+        sensors = self.sensors and self.sensors.but(seed=seed)
+        faults = tuple(f.but(seed=seed) if isinstance(f, Gusts) else f for f in self.faults)
+        return self.but(sensors=sensors, faults=faults)
 
 
 #: Conditions by name.

@@ -127,14 +127,13 @@ class _Task:
             for plant in PLANTS
         ]
         longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in self.cells)
-        timing = (clock or Sampled(period=0.01, delay=0.01)).model_dump()
-        self.clock = Sampled(**{**timing, "duration": PATIENCE * longest + 5.0})
+        timing = clock or Sampled(period=0.01, delay=0.01)
+        self.clock = timing.but(duration=PATIENCE * longest + 5.0)
 
     def make(self, ranges: Mapping[str, Any], logs: Any) -> PathTracker:
         """The controller with other values of its tunable fields."""
-        fields = {name: getattr(self.law, name) for name in type(self.law).model_fields}
         values = {name: float(value) for name, value in zip(ranges, np.exp(logs), strict=True)}
-        return type(self.law)(**{**fields, **values})
+        return self.law.but(**values)
 
     def costs(self, laws: list[PathTracker]) -> list[float]:
         """Mean of log10 of the RMS (mm) over all training runs, for every controller."""

@@ -1,0 +1,1 @@
+"""Random inputs and an oracle that knows what they say."""
