@@ -35,6 +35,7 @@ mutants: $(VENV)/.test
 fuzz: $(VENV)/.test
 	$(BIN)/python benchmarks/fuzz_files.py
 	$(BIN)/python benchmarks/fuzz_formulas.py
+	$(BIN)/python benchmarks/fuzz_stepper.py --steps 10000000
 
 format: $(VENV)/.dev
 	$(BIN)/ruff format .

@@ -60,7 +60,7 @@ def runner(rates):
     @numba.njit
     def slope(t, state, p, angle, left, right, rate):
         swing, fade = np.sin(rate * t), np.cos(rate * t)
-        command = Command(angle * (swing if rate > 0.0 else 1.0), left * fade, right * fade)
+        command = Command(angle * (swing if rate > 0.0 else 1.0), left * fade, right * fade, 0.0)
         return rates(state, command, STILL, p)
 
     @numba.njit

@@ -3,6 +3,9 @@
 A stop brakes along the path as it is believed, by the brake if there is one, else by the motors, which
 only ever act against the motion. When the robot stands, or when it should, the torque is zero; only a reset
 ends that. The end of the path and the wait for a first pose are the same standstill.
+
+Where the speed is not known, the motors spend no more than the momentum that the robot had: what they and
+rolling resistance take from its speed is summed up, and at zero the robot stands as far as anybody can say.
 """
 
 from typing import NamedTuple
@@ -15,6 +18,7 @@ from osculate.control.reasons import (
     EXTERNAL,
     LAW,
     POSE,
+    SPEED,
     STOP_INPUT,
     UNDECIDED,
     UNDRIVEN,
@@ -39,6 +43,8 @@ class StopParameters(NamedTuple):
     brake: float  # part of the full brake that a stop applies; 0 without a brake
     parking: float  # likewise at rest
     end: float  # m, arc length at which the path ends
+    inertia: float  # kg m: torque of both wheels per acceleration
+    rolling: float  # m/s², by rolling resistance
 
 
 class StopMemory(NamedTuple):
@@ -47,6 +53,7 @@ class StopMemory(NamedTuple):
     alarm: Alarm  # of the stop; no reason while there is none
     place: float  # m, arc length at which it was decided
     left: float  # s, that braking may still take
+    speed: float  # m/s, that braking has not taken yet
     resting: float  # 1 once the robot stands
     requested: float  # 1 once somebody outside has asked for a stop
 
@@ -66,20 +73,33 @@ def watch_readings(
 
 @kernel
 def come_to_rest(
-    alarm: Alarm, speed: float, progress: float, now: StopMemory, p: StopParameters
-) -> StopMemory:
-    """The memory after this instant's alarm; the first stop stays."""
+    alarm: Alarm, speed: float, known: bool, torque: float, progress: float, now: StopMemory,
+    p: StopParameters,
+) -> StopMemory:  # fmt: skip
+    """The memory after this instant's alarm; the first stop stays.
+
+    Args:
+        alarm: Of this instant.
+        speed: As believed (m/s).
+        known: Whether that was measured.
+        torque: Of both wheels since the last instant (N m).
+        progress: Arc length (m).
+        now: The memory.
+        p: The parameters.
+    """
     final = is_stop(alarm.reason) or alarm.reason == ARRIVED
     fresh = final and now.alarm.reason == 0.0
     due = 1.5 * abs(speed) / p.deceleration + GRACE
-    begun = StopMemory(alarm, progress, due, now.resting, now.requested)
+    begun = StopMemory(alarm, progress, due, abs(speed), now.resting, now.requested)
     after = select(fresh, begun, now)
     braking = after.alarm.reason > 0.0
     left = after.left - p.period if braking else 0.0
-    stands = braking and (abs(speed) < REST or left <= 0.0)
-    return StopMemory(
-        after.alarm, after.place, left, 1.0 if stands else after.resting, after.requested
-    )
+    taken = p.period * (abs(torque) / p.inertia + p.rolling)
+    momentum = after.speed - taken if now.alarm.reason > 0.0 else after.speed
+    lost = not known or after.alarm.cause == SPEED
+    stands = braking and (abs(speed) < REST or left <= 0.0 or (lost and momentum <= 0.0))
+    resting = 1.0 if stands else after.resting
+    return StopMemory(after.alarm, after.place, left, momentum, resting, after.requested)
 
 
 @kernel
@@ -91,4 +111,4 @@ def oppose(torque: float, speed: float) -> float:
 
 
 #: No stop.
-DRIVING = StopMemory(Alarm(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0)
+DRIVING = StopMemory(Alarm(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -181,7 +181,11 @@ def track(
     )
     missing = watch_readings(evidence, memory.gate.undecided, foot.arc_length, memory.stop, p.stop)
     alarm = worst(missing, strange, danger, evidence, p)
-    stop = come_to_rest(alarm, motion.speed, foot.arc_length, memory.stop, p.stop)
+    told, known = memory.gate.last, evidence.wheels_age == 0.0
+    stop = come_to_rest(
+        alarm, motion.speed, known, told.torque_left + told.torque_right, foot.arc_length,
+        memory.stop, p.stop,
+    )  # fmt: skip
     brakes = stop.alarm.reason > 0.0
     rests = waits or stop.resting > 0.0
 
@@ -189,7 +193,7 @@ def track(
     wanted = plan if plan < bound else bound
     torque, moved, speed_error = drive(
         motion.speed, 0.0 if brakes or waits else wanted, p.stop.deceleration if brakes else brake,
-        oldest.speed, evidence.wheels_age == 0.0, steering, memory.speed, p,
+        oldest.speed, known, steering, memory.speed, p,
     )  # fmt: skip
     torque, braking, speed_memory = settle(torque, motion.speed, moved, stop, waits, p)
     servo = servo_angle(angle, sight.bias, sight.stretch)

@@ -252,6 +252,8 @@ def stop_parameters(road: Road, end: float, guard: GuardPart) -> StopParameters:
         brake=share,
         parking=float(robot.brake is not None),
         end=end,
+        inertia=robot.wheel_radius * robot.total_mass,
+        rolling=robot.actuators.rolling_resistance * robot.gravity,
     )
 
 
