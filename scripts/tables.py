@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import osculate
 from osculate.plant import Mujoco
+from osculate.simulation import InitialState
 from osculate.study.comparison.compare import Comparison, compare
 from osculate.study.comparison.report import OURS
 from osculate.study.comparison.suite import CONDITIONS, conditions, curves, starts
@@ -77,13 +78,18 @@ def _in_mujoco(condition: str) -> bool:
     return isinstance(CONDITIONS[condition].plant, Mujoco)
 
 
+def _starts(condition: str) -> dict[str, InitialState]:
+    """Where runs begin; those that a fault stops early are counted from the start."""
+    return starts(["on-path" if CONDITIONS[condition].safety else "running"])
+
+
 def place(task: Task, folder: Path, code: str) -> Path:
     """The file of a task's cells."""
     robot = vehicle_named(task.robot)
     specs = [
         trackers_for(robot)[task.tracker], robot,
         *conditions([task.condition], robot=robot).values(), *curves(task.curves).values(),
-        *starts(["running"]).values(),
+        *_starts(task.condition).values(),
     ]  # fmt: skip
     text = [code, repr(task), *(spec.model_dump_json() for spec in specs)]
     key = hashlib.sha256("\n".join(text).encode()).hexdigest()[:16]
@@ -97,7 +103,7 @@ def work(task: Task, target: Path) -> None:
         {task.tracker: trackers_for(robot)[task.tracker]},
         curves(task.curves),
         speeds=task.speeds,
-        start=starts(["running"]),
+        start=_starts(task.condition),
         condition=conditions([task.condition], robot=robot),
         robot=robot,
         draws=task.draws,
