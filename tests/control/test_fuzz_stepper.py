@@ -154,3 +154,20 @@ def test_a_missing_pose_is_none_or_not_a_number():
             ]
         )
     assert commands[0] == commands[1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "begin"),
+    [("frozen", 60), ("frozen", 120), ("frozen", 180), ("nan", 260), ("nan", 300)],
+)
+@pytest.mark.parametrize("curve", ["slalom", "lemniscate", "corner"])
+def test_a_speed_that_is_not_known_drives_nothing(curve, kind, begin):
+    case = case_of("curvature-tracker", False, True, "paper", curve, 1.5)
+    slowest = []
+    watch = watched(
+        case, 900, lambda n, driven, stepper: slowest.append(driven.speed),
+        [Span("speed", kind, begin, 9999, 0.0)],
+    )  # fmt: skip
+    assert not faults_of(watch)
+    backwards = -0.01 * sum(speed for speed in slowest if speed < 0.0)
+    assert backwards < 0.01  # m

@@ -53,7 +53,7 @@ def test_a_torque_that_brakes_never_drives(torque, speed):
 @given(speed=st.floats(-3.0, 3.0), wheel=st.sampled_from((0.0, 1.0)))
 def test_every_stop_comes_to_rest_in_time(speed, wheel):
     """Also when the speed that is reported never falls."""
-    p = StopParameters(0.01, 0.3, 0.3, 2.0, 0.0, 0.0, 9.0)
+    p = StopParameters(0.01, 0.3, 0.3, 2.0, 0.0, 0.0, 9.0, 1.0, 0.1)
     now, steps = come(Alarm(EXTERNAL, 0.0, 0.0), speed, DRIVING, p), 1
     while not now.resting and steps < 1000:
         now, steps = come(Alarm(0.0, 0.0, 0.0), speed * wheel, now, p), steps + 1
@@ -66,7 +66,7 @@ def test_every_stop_comes_to_rest_in_time(speed, wheel):
 
 
 def come(alarm, speed, now, p):
-    return plain(come_to_rest)(alarm, speed, 1.0, now, p)
+    return plain(come_to_rest)(alarm, speed, True, 0.0, 1.0, now, p)
 
 
 case_of = cache(Case)

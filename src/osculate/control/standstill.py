@@ -18,7 +18,6 @@ from osculate.control.reasons import (
     EXTERNAL,
     LAW,
     POSE,
-    SPEED,
     STOP_INPUT,
     UNDECIDED,
     UNDRIVEN,
@@ -29,6 +28,7 @@ from osculate.control.reasons import (
 )
 from osculate.kernel import kernel, select
 
+ROLLING = 0.05  # m/s, up to which a robot without drive keeps its steering still
 REST = 2e-3  # m/s, below which a robot that brakes stands
 GRACE = 0.5  # s, that braking may take beyond one and a half times what it should
 
@@ -54,6 +54,7 @@ class StopMemory(NamedTuple):
     place: float  # m, arc length at which it was decided
     left: float  # s, that braking may still take
     speed: float  # m/s, that braking has not taken yet
+    doubtful: float  # 1 once the speed was not known while the robot braked
     resting: float  # 1 once the robot stands
     requested: float  # 1 once somebody outside has asked for a stop
 
@@ -81,7 +82,7 @@ def come_to_rest(
     Args:
         alarm: Of this instant.
         speed: As believed (m/s).
-        known: Whether that was measured.
+        known: Whether that was measured and is not doubted.
         torque: Of both wheels since the last instant (N m).
         progress: Arc length (m).
         now: The memory.
@@ -90,16 +91,16 @@ def come_to_rest(
     final = is_stop(alarm.reason) or alarm.reason == ARRIVED
     fresh = final and now.alarm.reason == 0.0
     due = 1.5 * abs(speed) / p.deceleration + GRACE
-    begun = StopMemory(alarm, progress, due, abs(speed), now.resting, now.requested)
+    begun = StopMemory(alarm, progress, due, abs(speed), 0.0, now.resting, now.requested)
     after = select(fresh, begun, now)
     braking = after.alarm.reason > 0.0
     left = after.left - p.period if braking else 0.0
     taken = p.period * (abs(torque) / p.inertia + p.rolling)
     momentum = after.speed - taken if now.alarm.reason > 0.0 else after.speed
-    lost = not known or after.alarm.cause == SPEED
-    stands = braking and (abs(speed) < REST or left <= 0.0 or (lost and momentum <= 0.0))
+    doubtful = 1.0 if braking and not known else after.doubtful
+    stands = braking and (abs(speed) < REST or left <= 0.0 or (doubtful > 0.0 and momentum <= 0.0))
     resting = 1.0 if stands else after.resting
-    return StopMemory(after.alarm, after.place, left, momentum, resting, after.requested)
+    return StopMemory(after.alarm, after.place, left, momentum, doubtful, resting, after.requested)
 
 
 @kernel
@@ -111,4 +112,4 @@ def oppose(torque: float, speed: float) -> float:
 
 
 #: No stop.
-DRIVING = StopMemory(Alarm(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0)
+DRIVING = StopMemory(Alarm(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -8,7 +8,6 @@ means: way and turn by the poses with speed and yaw rate, and the yaw rate with 
 from typing import Any, NamedTuple
 
 from osculate.control.reasons import (
-    CALM,
     HEADING,
     IMPOSSIBLE,
     POSITION,
@@ -22,6 +21,7 @@ from osculate.kernel.maths import sincos, tan, wrap_angle
 from osculate.vehicle.motion import Motion
 
 SETTLING = 0.1  # s, over which means are taken
+DISTRUST = 1.0  # s, for which a speed that was wrong is not believed
 MOVING = 0.05  # m/s, at which a pose that stays the same is frozen
 
 
@@ -48,7 +48,7 @@ class WatchMemory(NamedTuple):
     turn: float  # rad/s, mean of the yaw rate by headings minus the yaw rate
     bend: float  # rad/s, mean of the yaw rate minus that of the steering angle
     doubt: float  # s, for which measurements have been impossible
-    cause: float  # what was impossible last
+    distrust: float  # s, for which the speed is not believed any more
 
 
 #: Nothing was measured yet.
@@ -57,7 +57,10 @@ UNSEEN = WatchMemory(Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0
 
 @kernel
 def compare_means(motion: Motion, now: WatchMemory, p: WatchParameters) -> Any:
-    """Means of what poses and readings say differently: (speed, yaw rate, yaw rate of the steering)."""
+    """Means of what poses and readings say differently (speed, yaw rate, yaw rate of the steering).
+
+    The fourth value is the speed (m/s) by the last two poses.
+    """
     last = now.last
     sine, cosine = sincos(motion.heading)
     along = (motion.x - last.x) * cosine + (motion.y - last.y) * sine
@@ -69,7 +72,7 @@ def compare_means(motion: Motion, now: WatchMemory, p: WatchParameters) -> Any:
         turned / p.period - 0.5 * (motion.yaw_rate + last.yaw_rate) - now.turn
     )
     bend = now.bend + known * (motion.yaw_rate - steered - now.bend)
-    return way, turn, bend
+    return way, turn, bend, along / p.period
 
 
 @kernel
@@ -103,13 +106,13 @@ def blame(motion: Motion, expected: Motion, now: WatchMemory, p: WatchParameters
 
 @kernel
 def watch_motion(motion: Motion, expected: Motion, now: WatchMemory, p: WatchParameters) -> Any:
-    """The motion as far as it is to be believed, the memory, and the alarm.
+    """The motion as far as it is to be believed, the memory, and the alarm with what is doubted.
 
-    A speed that the poses have been contradicting is replaced by theirs.
+    A speed that the poses contradict, or did lately, is replaced by the expected one, corrected by theirs.
     """
     fresh = now.known > 0.0
     believed, sudden = blame(motion, select(fresh, expected, motion), now, p)
-    way, turn, bend = compare_means(motion, now, p)
+    way, turn, bend, pace = compare_means(motion, now, p)
     rate = abs(motion.yaw_rate)
     slides = abs(way) > 0.25 + 0.15 * abs(motion.speed)
     creeping = YAW_RATE if abs(turn) > 0.25 + 0.25 * rate else 0.0
@@ -117,10 +120,14 @@ def watch_motion(motion: Motion, expected: Motion, now: WatchMemory, p: WatchPar
     creeping = SPEED if slides else creeping
     cause = sudden if sudden > 0.0 else creeping
     doubt = now.doubt + p.period if cause > 0.0 else 0.0
-    alarm = select(doubt > p.patience, Alarm(IMPOSSIBLE, 0.0, cause), CALM)
-    moved = slides and sudden == 0.0
+    distrust = DISTRUST if cause == SPEED else now.distrust - p.period
+    doubted = distrust > 0.0
+    lost = sudden in (POSITION, HEADING)
+    observed = expected.speed + (0.0 if lost else p.blend * (pace - expected.speed))
     seen = Motion(
-        believed.x, believed.y, believed.heading,
-        motion.speed + way if moved else believed.speed, believed.yaw_rate, believed.steering_angle,
+        believed.x, believed.y, believed.heading, observed if doubted else believed.speed,
+        believed.yaw_rate, believed.steering_angle,
     )  # fmt: skip
-    return seen, WatchMemory(motion, 1.0, way, turn, bend, doubt, cause), alarm
+    what = SPEED if doubted and cause == 0.0 else cause
+    alarm = Alarm(IMPOSSIBLE if doubt > p.patience else 0.0, 0.0, what)
+    return seen, WatchMemory(motion, 1.0, way, turn, bend, doubt, distrust), alarm

@@ -14,11 +14,18 @@ from osculate.control.reasons import (
     GYRO,
     NO_GYRO,
     NO_STEERING,
+    SPEED,
     STEERING,
     Alarm,
     is_stop,
 )
-from osculate.control.standstill import StopMemory, come_to_rest, oppose, watch_readings
+from osculate.control.standstill import (
+    ROLLING,
+    StopMemory,
+    come_to_rest,
+    oppose,
+    watch_readings,
+)
 from osculate.control.tracking.contract import (
     Foot,
     Issued,
@@ -70,23 +77,28 @@ def planned_speed(s: float, p: TrackingParameters, tables: NDArray[np.float64]) 
 
 @kernel
 def drive(
-    speed: float, wanted: float, brake: float, arriving: float, heard: bool, steering: Steering,
-    now: SpeedMemory, p: TrackingParameters,
+    speed: float, wanted: float, brake: float, arriving: float, known: bool, heard: bool,
+    steering: Steering, now: SpeedMemory, p: TrackingParameters,
 ) -> Any:  # fmt: skip
-    """Total torque (N m) and the memory after this decision; ``arriving`` acts from now on."""
+    """Total torque (N m) and the memory after this decision; ``arriving`` acts from now on.
+
+    A speed that is not ``heard`` but ``known`` from poses is answered in proportion, one that is not known
+    not at all: then the torque is what the reference asks for.
+    """
     q: SpeedParameters = p.speed
     before = now.acceleration if now.acceleration > 0.0 else 0.0
     rise = before + q.jerk * p.period
     rise = rise if rise < q.acceleration else q.acceleration
     step = clip(wanted - now.reference, -brake * p.period, rise * p.period)
-    error = speed - now.model if heard else 0.0
+    error = speed - now.model
     surface = error + q.sliding * now.integral
     push, twist_rate = switch(surface, now.twist, q)
-    acceleration = step / p.period - q.proportional * error + push
+    answer = (push if heard else 0.0) - (q.proportional * error if known else 0.0)
+    acceleration = step / p.period + answer
     tangent = tan(steering.angle)
     torque = steered_torque(p.model, tangent, steering.rate, speed, acceleration) + q.rolling
     limited = clip(torque, -q.torque_limit, q.torque_limit)
-    free = 1.0 if limited == torque else 0.0  # no wind-up at the limit
+    free = 1.0 if limited == torque and heard else 0.0  # no wind-up at the limit
     memory = SpeedMemory(
         reference=now.reference + step,
         model=now.model + q.lag * (arriving - now.model),
@@ -134,7 +146,7 @@ def expect(
     p: TrackingParameters,
 ) -> Any:  # fmt: skip
     """The motion one period later under a command (rad) of the twin's servo, and its steering."""
-    speed = 0.0 if rests else motion.speed
+    speed = 0.0 if rests and abs(motion.speed) < ROLLING else motion.speed
     pose = Pose(motion.x, motion.y, motion.heading, speed, steering)
     pipe = PipeParameters(p.half, p.wheelbase, p.period, 0.0)
     end: Pose = roll(pose, command, 0.0 if rests else acceleration, pipe)
@@ -181,7 +193,8 @@ def track(
     )
     missing = watch_readings(evidence, memory.gate.undecided, foot.arc_length, memory.stop, p.stop)
     alarm = worst(missing, strange, danger, evidence, p)
-    told, known = memory.gate.last, evidence.wheels_age == 0.0
+    told = memory.gate.last
+    known = evidence.wheels_age == 0.0
     stop = come_to_rest(
         alarm, motion.speed, known, told.torque_left + told.torque_right, foot.arc_length,
         memory.stop, p.stop,
@@ -193,12 +206,13 @@ def track(
     wanted = plan if plan < bound else bound
     torque, moved, speed_error = drive(
         motion.speed, 0.0 if brakes or waits else wanted, p.stop.deceleration if brakes else brake,
-        oldest.speed, known, steering, memory.speed, p,
+        oldest.speed, known, known and strange.cause != SPEED, steering, memory.speed, p,
     )  # fmt: skip
     torque, braking, speed_memory = settle(torque, motion.speed, moved, stop, waits, p)
     servo = servo_angle(angle, sight.bias, sight.stretch)
+    stands = rests and (waits or abs(motion.speed) < ROLLING)
     held = memory.gate.last.steering_angle
-    decided = Command(held if rests else servo, 0.5 * torque, 0.5 * torque, braking)
+    decided = Command(held if stands else servo, 0.5 * torque, 0.5 * torque, braking)
     command, gate = gate_command(decided, sound, memory.gate, p.gate)
 
     acting = oldest.steering_angle if DELAYED else command.steering_angle

@@ -42,8 +42,8 @@ STEEPEST = 1.2  # rad, heading errors beyond are treated as this one
 LEAST = 0.2  # q is kept above this
 WINDOW = 0.8  # of the servo's time 1/ω, over which the path's angle is differentiated
 RETURN = 0.2  # likewise the angle that leads back to the path
-STIFFNESS = 0.4  # of the servo's time 1/ω, the shortest horizon
-LONGEST = 7  # quarters of the shortest horizon, by which it may be stretched
+STIFFNESS = 0.6  # of the servo's time 1/ω, the shortest horizon
+LONGEST = 4  # quarters of the shortest horizon, by which it may be stretched
 CALM = math.radians(0.7)  # rad, change of a command from one decision to the next because of noise
 
 
