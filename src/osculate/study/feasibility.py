@@ -19,6 +19,7 @@ from osculate.target import Limits
 from osculate.vehicle import Tricycle
 
 SAMPLES = 20001
+STRAIGHT = 1e9  # m, radius beyond which a curve is a straight line
 SHOWN = 1e-6  # m, distance from the polyline of which the place is told
 
 
@@ -72,11 +73,11 @@ class Feasibility:
 
     def rows(self) -> list[tuple[str, str]]:
         """Labels and values with units."""
-        low, high = self.curvature
+        low, high = (round(bend, 12) + 0.0 for bend in self.curvature)
         rows = [
             ("length", f"{self.length:.6g} m{', closed' if self.closed else ''}"),
             ("curvature", f"{low:.4g} … {high:.4g} 1/m"),
-            ("tightest place", f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"),
+            ("tightest place", self._tightest),
             (
                 "steering angle",
                 f"{np.degrees(self.steering_angle):.4g}° of {np.degrees(self.steering_angle_limit):.4g}°",
@@ -92,15 +93,32 @@ class Feasibility:
             rows.insert(1, ("distance from the points", f"max {worst:.3g} m, RMS {rms:.3g} m"))
         if self.polyline:
             far = self.polyline
-            where = f" near ({far.x:.4g}, {far.y:.4g})" if far.largest > SHOWN else ""
-            told = f"max {far.largest:.3g} m{where}, RMS {far.rms:.3g} m"
+            told = f"max {far.largest:.3g} m, RMS {far.rms:.3g} m"
             rows.insert(2, ("distance from the polyline", told))
+            if far.largest > SHOWN:
+                rows.insert(3, ("largest near", f"({_place(far.x)}, {_place(far.y)})"))
         return rows
+
+    @property
+    def _tightest(self) -> str:
+        if self.radius > STRAIGHT:
+            return "none, it is straight"
+        return f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"
+
+    @property
+    def bound(self) -> str:
+        """Bound of the radius, in words."""
+        return "straight" if self.radius > STRAIGHT else f"R ≥ {self.radius:.4g} m"
 
     @property
     def radius(self) -> float:
         """Smallest radius (m)."""
         return 1.0 / max(abs(self.curvature[0]), abs(self.curvature[1]), 1e-12)
+
+
+def _place(coordinate: float) -> str:
+    """A coordinate (m) to the millimetre, however large."""
+    return f"{round(coordinate, 3) + 0.0:.12g}"
 
 
 class Loaded(NamedTuple):
@@ -229,7 +247,7 @@ def draw(curve: Curve, report: Feasibility, folder: Path) -> Path:
     path.legend(loc="best", frameon=False, fontsize="small")
     bend.plot(s, point.curvature, color=BLUE)
     bend.plot(report.tightest, tight.curvature, "o", color=RED, markersize=6)
-    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=f"R ≥ {report.radius:.4g} m")
+    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=report.bound)
     target = folder / "curve.png"
     figure.savefig(target)
     return target

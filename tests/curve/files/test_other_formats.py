@@ -157,6 +157,8 @@ def test_opendrive(tmp_path):
     ("text", "message"),
     [
         ('<!DOCTYPE a [<!ENTITY b "c">]><gpx/>', "line 1.*document type or entities"),
+        ("<!doctype html><html></html>", "HTML page"),
+        ("\n<html></html>", "HTML page"),
         ("<osm/>", "root <osm>; GPX, KML and OpenDRIVE"),
         ("<gpx>", "not valid XML"),
         ("<gpx/>", "no track, route or line"),
