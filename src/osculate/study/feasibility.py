@@ -77,14 +77,7 @@ class Feasibility:
         rows = [
             ("length", f"{self.length:.6g} m{', closed' if self.closed else ''}"),
             ("curvature", f"{low:.4g} … {high:.4g} 1/m"),
-            ("tightest place", self._tightest),
-            (
-                "steering angle",
-                f"{np.degrees(self.steering_angle):.4g}° of {np.degrees(self.steering_angle_limit):.4g}°",
-            ),
-            ("steering rate limit at", f"{self.rate_speed:.4g} m/s (s = {self.rate_place:.4g} m)"),
-            ("lateral acceleration limit at", f"{self.lateral_speed:.4g} m/s"),
-            ("tips at", f"{self.tipping_speed:.4g} m/s"),
+            *self._tight(),
         ]
         if self.file_speeds:
             rows.append(("speeds of the file", "{:.4g} … {:.4g} m/s".format(*self.file_speeds)))
@@ -99,16 +92,23 @@ class Feasibility:
                 rows.insert(3, ("largest near", f"({_place(far.x)}, {_place(far.y)})"))
         return rows
 
-    @property
-    def _tightest(self) -> str:
-        if self.radius > STRAIGHT:
-            return "none, it is straight"
-        return f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"
+    def _tight(self) -> list[tuple[str, str]]:
+        """What the curvature asks for."""
+        if self.straight:
+            return [("tightest place", "none, it is straight")]
+        angle, limit = np.degrees([self.steering_angle, self.steering_angle_limit])
+        return [
+            ("tightest place", f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"),
+            ("steering angle", f"{angle:.4g}° of {limit:.4g}°"),
+            ("steering rate limit at", f"{self.rate_speed:.4g} m/s (s = {self.rate_place:.4g} m)"),
+            ("lateral acceleration limit at", f"{self.lateral_speed:.4g} m/s"),
+            ("tips at", f"{self.tipping_speed:.4g} m/s"),
+        ]
 
     @property
-    def bound(self) -> str:
-        """Bound of the radius, in words."""
-        return "straight" if self.radius > STRAIGHT else f"R ≥ {self.radius:.4g} m"
+    def straight(self) -> bool:
+        """Whether the curve does not bend at all, up to rounding."""
+        return self.radius > STRAIGHT
 
     @property
     def radius(self) -> float:
@@ -241,13 +241,16 @@ def draw(curve: Curve, report: Feasibility, folder: Path) -> Path:
         path.plot(*inner.waypoints.T, ".", color=ORANGE, markersize=4, label="points")
     path.plot(point.x, point.y, color=BLUE, linewidth=1.0, label="curve")
     tight = curve.at(report.tightest)
-    path.plot(tight.x, tight.y, "o", color=RED, markersize=6, label="tightest")
+    if not report.straight:
+        path.plot(tight.x, tight.y, "o", color=RED, markersize=6, label="tightest")
+        bend.plot(report.tightest, tight.curvature, "o", color=RED, markersize=6)
     path.set_aspect("equal", adjustable="datalim")
-    path.set(xlabel="x (m)", ylabel="y (m)", title=f"{report.length:.5g} m")
+    path.locator_params(axis="x", nbins=6)
+    path.set(xlabel="x (m)", ylabel="y (m)", title=f"length {report.length:.5g} m")
     path.legend(loc="best", frameon=False, fontsize="small")
     bend.plot(s, point.curvature, color=BLUE)
-    bend.plot(report.tightest, tight.curvature, "o", color=RED, markersize=6)
-    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=report.bound)
+    least = "straight" if report.straight else f"R ≥ {report.radius:.4g} m"
+    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=least)
     target = folder / "curve.png"
     figure.savefig(target)
     return target
