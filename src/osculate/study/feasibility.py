@@ -19,7 +19,7 @@ from osculate.target import Limits
 from osculate.vehicle import Tricycle
 
 SAMPLES = 20001
-STRAIGHT = 1e9  # m, radius beyond which a curve is a straight line
+STRAIGHT = 1e-6  # rad, a curve that turns less on its whole length is a straight line
 SHOWN = 1e-6  # m, distance from the polyline of which the place is told
 
 
@@ -108,7 +108,7 @@ class Feasibility:
     @property
     def straight(self) -> bool:
         """Whether the curve does not bend at all, up to rounding."""
-        return self.radius > STRAIGHT
+        return self.length < STRAIGHT * self.radius
 
     @property
     def radius(self) -> float:

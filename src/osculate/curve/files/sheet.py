@@ -59,15 +59,11 @@ def read_sheet(text: str, label: str) -> Sheet:
 
 
 def _refuse_brackets(first: tuple[int, str], label: str) -> None:
-    """``(1, 2)``, ``LINESTRING (1 2, …)``: numbers in brackets are points of another notation."""
+    """``(1, 2)``: numbers in brackets are points of another notation."""
     number, line = first
-    found = re.match(r"([A-Za-z ]*)[(\[{]+\s*[-+]?[\d.]", line)
-    if found:
-        kind = found.group(1).strip()
-        what = (
-            f"is {kind} in well-known text" if kind.isupper() else "has brackets around its numbers"
-        )
-        raise refuse(label, f"{what}; write one point a line: x,y", f"line {number}")
+    if re.match(r"[(\[{]+\s*[-+]?[\d.]", line):
+        message = "has brackets around its numbers; write one point a line: x,y"
+        raise refuse(label, message, f"line {number}")
 
 
 def _delimiter(lines: Sequence[str]) -> str:
