@@ -7,7 +7,7 @@ physical quantities one way to state their unit.
 
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import pydantic
 from pydantic import BaseModel, ConfigDict, Field
@@ -41,6 +41,7 @@ class Spec(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, arbitrary_types_allowed=True
     )
+    kept_when_pickled: ClassVar[tuple[str, ...]] = ()  # cached properties read from elsewhere
 
     def __init__(self, **fields: Any) -> None:
         try:
@@ -89,13 +90,10 @@ class Spec(BaseModel):
         return hash((type(self), *(getattr(self, name) for name in type(self).model_fields)))
 
     def __getstate__(self) -> dict[Any, Any]:
-        """What a pickle holds: the fields, and descriptions read from elsewhere (the curve in a file)."""
+        """What a pickle holds: the fields, and what was read from elsewhere, not what follows from them."""
         state = super().__getstate__()
-        kept = {
-            name: value
-            for name, value in state["__dict__"].items()
-            if name in type(self).model_fields or isinstance(value, Spec)
-        }
+        names = {*type(self).model_fields, *self.kept_when_pickled}
+        kept = {name: value for name, value in state["__dict__"].items() if name in names}
         return {**state, "__dict__": kept}
 
 

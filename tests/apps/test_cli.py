@@ -198,7 +198,9 @@ def test_curve_takes_columns_and_ends_as_told(tmp_path):
     )
     assert "ends: closed: its ends are" in osculate("curve", ring).stdout
     assert "ends: open: as told (--no-loop)" in osculate("curve", ring, "--no-loop").stdout
-    assert "ends: closed: as told" in osculate("curve", path, "--columns", "2,3", "--loop").stdout
+    shown = osculate("curve", path, "--columns", "2,3", "--loop", code=1).stdout
+    assert "ends: closed: as told" in shown
+    assert "This robot cannot follow the curve" in shown
 
 
 def test_curve_inspects_a_scenario_with_its_own_robot(tmp_path):

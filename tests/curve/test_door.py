@@ -84,8 +84,7 @@ def test_a_path_that_turns_round_is_refused_at_its_point(inspect):
     ]
     code, words = inspect(rows(points))
     assert code == 2
-    assert "point 12 = (3, 0)" in words
-    assert "turns round there, at s = 3 m" in words
+    assert "turns round at point 12 (line 14) = (3, 0), s = 3 m" in words
 
 
 def test_the_textbook_half_circle_passes(inspect):

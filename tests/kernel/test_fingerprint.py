@@ -10,6 +10,7 @@ import textwrap
 import threading
 from types import ModuleType
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numba
 import numpy as np
@@ -20,6 +21,7 @@ from numba.extending import intrinsic, overload
 
 from osculate.errors import InvalidInput
 from osculate.kernel import axpy, kernel, load
+from osculate.kernel import fingerprint as fingerprints
 from osculate.kernel.fingerprint import fingerprint, pin
 
 NUMBERS = st.one_of(
@@ -191,6 +193,7 @@ def test_the_signature_is_seen():
 
 
 def test_compiled_twins_of_the_package_are_reached(monkeypatch):
+    monkeypatch.setattr(fingerprints, "_pinned", WeakKeyDictionary())  # nothing is compiled yet
     before = mark(define("@kernel\ndef f(x):\n    return h(2.0, x, x)", h=axpy))
     twins = sys.modules[axpy.__module__]
     changed = define("def f(context, builder, kind, items, combine):\n    return items[0]")

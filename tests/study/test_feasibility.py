@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from osculate import Arc, InvalidInput, Tricycle, vehicle_named
+from osculate import Arc, InvalidInput, Spline, Tricycle, vehicle_named
 from osculate.study.feasibility import draw, inspect_curve, load_curve
 from osculate.study.scenario import write_template
 
@@ -55,3 +55,16 @@ def test_the_template_is_a_scenario_and_is_never_overwritten(tmp_path):
     assert '"curvature-tracker"' in schema.read_text()
     with pytest.raises(InvalidInput, match="exists already"):
         write_template(path)
+
+
+def test_a_straight_line_has_no_tightest_place(tmp_path):
+    far = Spline(points=((5e5, 5e6), (5e5 + 3, 5e6 + 4)))
+    report = inspect_curve(far, Tricycle())
+    rows = dict(report.rows())
+    assert rows["tightest place"] == "none, it is straight"
+    assert not {"steering angle", "tips at"} & set(rows)
+    assert draw(far, report, tmp_path).exists()
+    bent = Spline(points=((5e5, 5e6), (5e5 + 1, 5e6), (5e5 + 1, 5e6 + 1)))
+    rows = dict(inspect_curve(bent, Tricycle()).rows())
+    x, y = map(float, rows["largest near"].strip("()").split(","))
+    assert (x, y) == pytest.approx((bent.polyline_error.x, bent.polyline_error.y), abs=6e-4)

@@ -47,6 +47,8 @@ def hints(points: Array, merged: Merged) -> list[str]:
 
 def rounding(points: Array) -> list[str]:
     """Sentences about coordinates that were rounded to steps as coarse as the points' own."""
+    if len(points) < FEWEST:  # a few whole metres are nothing strange
+        return []
     steps = steps_of(points)
     step = float(np.median(steps[steps > 0.0]))
     found = []

@@ -19,6 +19,7 @@ from osculate.target import Limits
 from osculate.vehicle import Tricycle
 
 SAMPLES = 20001
+STRAIGHT = 1e-6  # rad, a curve that turns less on its whole length is a straight line
 SHOWN = 1e-6  # m, distance from the polyline of which the place is told
 
 
@@ -72,18 +73,11 @@ class Feasibility:
 
     def rows(self) -> list[tuple[str, str]]:
         """Labels and values with units."""
-        low, high = self.curvature
+        low, high = (round(bend, 12) + 0.0 for bend in self.curvature)
         rows = [
             ("length", f"{self.length:.6g} m{', closed' if self.closed else ''}"),
             ("curvature", f"{low:.4g} … {high:.4g} 1/m"),
-            ("tightest place", f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"),
-            (
-                "steering angle",
-                f"{np.degrees(self.steering_angle):.4g}° of {np.degrees(self.steering_angle_limit):.4g}°",
-            ),
-            ("steering rate limit at", f"{self.rate_speed:.4g} m/s (s = {self.rate_place:.4g} m)"),
-            ("lateral acceleration limit at", f"{self.lateral_speed:.4g} m/s"),
-            ("tips at", f"{self.tipping_speed:.4g} m/s"),
+            *self._tight(),
         ]
         if self.file_speeds:
             rows.append(("speeds of the file", "{:.4g} … {:.4g} m/s".format(*self.file_speeds)))
@@ -92,15 +86,39 @@ class Feasibility:
             rows.insert(1, ("distance from the points", f"max {worst:.3g} m, RMS {rms:.3g} m"))
         if self.polyline:
             far = self.polyline
-            where = f" near ({far.x:.4g}, {far.y:.4g})" if far.largest > SHOWN else ""
-            told = f"max {far.largest:.3g} m{where}, RMS {far.rms:.3g} m"
+            told = f"max {far.largest:.3g} m, RMS {far.rms:.3g} m"
             rows.insert(2, ("distance from the polyline", told))
+            if far.largest > SHOWN:
+                rows.insert(3, ("largest near", f"({_place(far.x)}, {_place(far.y)})"))
         return rows
+
+    def _tight(self) -> list[tuple[str, str]]:
+        """What the curvature asks for."""
+        if self.straight:
+            return [("tightest place", "none, it is straight")]
+        angle, limit = np.degrees([self.steering_angle, self.steering_angle_limit])
+        return [
+            ("tightest place", f"s = {self.tightest:.4g} m, R = {self.radius:.4g} m"),
+            ("steering angle", f"{angle:.4g}° of {limit:.4g}°"),
+            ("steering rate limit at", f"{self.rate_speed:.4g} m/s (s = {self.rate_place:.4g} m)"),
+            ("lateral acceleration limit at", f"{self.lateral_speed:.4g} m/s"),
+            ("tips at", f"{self.tipping_speed:.4g} m/s"),
+        ]
+
+    @property
+    def straight(self) -> bool:
+        """Whether the curve does not bend at all, up to rounding."""
+        return self.length < STRAIGHT * self.radius
 
     @property
     def radius(self) -> float:
         """Smallest radius (m)."""
         return 1.0 / max(abs(self.curvature[0]), abs(self.curvature[1]), 1e-12)
+
+
+def _place(coordinate: float) -> str:
+    """A coordinate (m) to the millimetre, however large."""
+    return f"{round(coordinate, 3) + 0.0:.12g}"
 
 
 class Loaded(NamedTuple):
@@ -223,13 +241,16 @@ def draw(curve: Curve, report: Feasibility, folder: Path) -> Path:
         path.plot(*inner.waypoints.T, ".", color=ORANGE, markersize=4, label="points")
     path.plot(point.x, point.y, color=BLUE, linewidth=1.0, label="curve")
     tight = curve.at(report.tightest)
-    path.plot(tight.x, tight.y, "o", color=RED, markersize=6, label="tightest")
+    if not report.straight:
+        path.plot(tight.x, tight.y, "o", color=RED, markersize=6, label="tightest")
+        bend.plot(report.tightest, tight.curvature, "o", color=RED, markersize=6)
     path.set_aspect("equal", adjustable="datalim")
-    path.set(xlabel="x (m)", ylabel="y (m)", title=f"{report.length:.5g} m")
+    path.locator_params(axis="x", nbins=6)
+    path.set(xlabel="x (m)", ylabel="y (m)", title=f"length {report.length:.5g} m")
     path.legend(loc="best", frameon=False, fontsize="small")
     bend.plot(s, point.curvature, color=BLUE)
-    bend.plot(report.tightest, tight.curvature, "o", color=RED, markersize=6)
-    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=f"R ≥ {report.radius:.4g} m")
+    least = "straight" if report.straight else f"R ≥ {report.radius:.4g} m"
+    bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=least)
     target = folder / "curve.png"
     figure.savefig(target)
     return target

@@ -120,7 +120,9 @@ def test_noise_and_standing_still_are_no_reversal(seed, noise):
 def test_the_message_of_a_reversal_names_point_and_line(tmp_path):
     there = [(0.25 * n, 0.0) for n in range(13)]
     path = put(tmp_path, [*there, *((3 - 0.25 * n, -0.02 * n * n) for n in range(1, 9))])
-    with pytest.raises(InvalidInput, match=r"turns round at point 12 \(line 14\), s = 3 m"):
+    with pytest.raises(
+        InvalidInput, match=r"turns round at point 12 \(line 14\) = \(3, 0\), s = 3 m"
+    ):
         read_file(path)
 
 

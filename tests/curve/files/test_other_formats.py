@@ -157,6 +157,8 @@ def test_opendrive(tmp_path):
     ("text", "message"),
     [
         ('<!DOCTYPE a [<!ENTITY b "c">]><gpx/>', "line 1.*document type or entities"),
+        ("<!doctype html><html></html>", "HTML page"),
+        ("\n<html></html>", "HTML page"),
         ("<osm/>", "root <osm>; GPX, KML and OpenDRIVE"),
         ("<gpx>", "not valid XML"),
         ("<gpx/>", "no track, route or line"),
@@ -273,6 +275,27 @@ def test_only_regular_files_of_bounded_size_are_opened(tmp_path):
         stream.truncate(2**36)  # sparse
     with pytest.raises(InvalidInput, match="larger than 64 MiB"):
         read_curve(tmp_path / "large.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\n" * 3, "NMEA"),
+        ("LINESTRING (0 0, 1 2, 2 2)\n", "well-known text"),
+        ("SRID=25832;LINESTRING Z(0 0 1, 1 2 1)", "well-known text"),
+        ("[[points]]\nx = 0\ny = 0\n", "TOML or INI"),
+        ("[path]\nx=0,1,2\n", "TOML or INI"),
+        ("0\nSECTION\n2\nENTITIES\n", "DXF"),
+        ("G21\nG1 X0 Y0\nG1 X1 Y1\n", "G-code"),
+        ("G1 X0 Y0\nG1 X1 Y1\n", "G-code"),
+        ("M 0 0 L 1 1 L 2 0", "SVG path"),
+        ("version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 12\n", "Git LFS pointer"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("suffix", [".txt", ".csv", ".yaml"])
+def test_other_notations_are_named(tmp_path, suffix, text, message):
+    with pytest.raises(InvalidInput, match=f"is.* {message}"):
+        read_curve(put(tmp_path, f"a{suffix}", text))
 
 
 @pytest.mark.parametrize(

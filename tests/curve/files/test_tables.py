@@ -108,6 +108,18 @@ def test_other_ways_to_write_it(tmp_path, text):
     assert points(written(tmp_path, "wave.csv", text)) == pytest.approx(WAVE, abs=1e-12)
 
 
+@given(
+    delimiter=st.sampled_from([";", "\t", "|", " ", "; "]),
+    digits=st.integers(4, 8),
+    more=st.sampled_from(["", "0,3", "wp"]),
+)
+def test_decimal_commas_need_no_header(tmp_path_factory, delimiter, digits, more):
+    cells = [[f"{value:.{digits}f}".replace(".", ",") for value in row] for row in WAVE]
+    text = "\n".join(delimiter.join([*row, *([more] if more else [])]) for row in cells)
+    path = written(tmp_path_factory.mktemp("table"), "wave.csv", text)
+    assert points(path) == pytest.approx(WAVE, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("row", "offer"),
     [
@@ -178,6 +190,9 @@ def test_the_length_of_the_way_is_no_x(tmp_path):
         ("x,y\n", "header only"),
         ("# nothing\n", "holds none"),
         ("x,y\n1,1\n1,1\n", "two different points"),
+        ("x,0,1,2\ny,0,1,0\n", "rows are x, y; write one point a line"),
+        ("(0, 0)\n(1, 2)\n", "line 1.*brackets around"),
+        ("x|y\n---|---\n1|2\n", "line 2.*cell 1 is '---', no number"),
     ],
 )  # fmt: skip
 def test_what_is_no_path_is_refused_by_its_fault(tmp_path, text, message):

@@ -4,6 +4,7 @@ import copy
 import json
 import math
 import random
+import warnings
 
 import numpy as np
 import pytest
@@ -156,7 +157,10 @@ def wrong_control(data):
     ("fault", "message"),
     [
         (trajectory(degree=2.7), "degree is 2.7, must be a whole number"),
-        (trajectory(degree=True), "truth value"),
+        (trajectory(degree=True), "its degree is a truth value"),
+        (trajectory(degree="3"), "its degree is the text '3'"),
+        (trajectory(knotVector=[0, "1"]), "knot 1 is the text '1'"),
+        (lambda data: data.update(edgeStates=[]), "state of a vehicle"),
         (trajectory(degree=0), "must be from 1 to 5"),
         (trajectory(degree=6), "must be from 1 to 5"),
         (trajectory(knotVector=[0, 1]), "must be 12 numbers"),
@@ -177,6 +181,25 @@ def test_what_the_norm_does_not_allow_is_named(tmp_path, fault, message):
     fault(data)
     with pytest.raises(InvalidInput, match=message):
         read_curve(put(tmp_path, data))
+
+
+@given(
+    speeds=st.lists(st.none() | st.floats(0.1, 3.0), min_size=3, max_size=3),
+    turns=st.lists(st.none() | st.floats(-3.2, 3.2), min_size=3, max_size=3),
+)
+def test_what_edges_ask_for_and_is_not_done_is_said(tmp_path_factory, speeds, turns):
+    data = order()
+    for edge, speed, turn in zip(data["edges"], speeds, turns, strict=True):
+        asked = {"maxSpeed": speed, "orientation": turn}
+        edge.update({key: value for key, value in asked.items() if value is not None})
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        read_curve(put(tmp_path_factory.mktemp("order"), data))
+    words = " ".join(str(w.message) for w in said)
+    slow = [speed for speed in speeds if speed is not None]
+    assert (f"maxSpeed (least {min(slow):g} m/s)" in words) if slow else ("maxSpeed" not in words)
+    backwards = sum(turn is not None and abs(turn) > 0.1 for turn in turns)
+    assert words.count("it is driven forwards") == backwards
 
 
 def test_the_horizon_is_said(tmp_path):

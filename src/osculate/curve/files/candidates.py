@@ -114,7 +114,8 @@ def leaves(record: Mapping[str, Any], depth: int = DEEP) -> dict[str, Path]:
                 found |= {f"{key}.{name}": (key, *way) for name, way in inner.items()}
         elif isinstance(value, list):
             words = parse_name(key).words
-            if 2 <= len(value) <= 4 and words and words[-1] in PLACE | {"xy", "xyz"}:
+            numbers = any(isinstance(v, (int, float)) for v in value)
+            if 2 <= len(value) <= 4 and numbers and words and words[-1] in PLACE | {"xy", "xyz"}:
                 found |= {f"{key}.{axis}": (key, n) for n, axis in enumerate("xyzw"[: len(value)])}
         else:
             found[key] = (key,)

@@ -57,9 +57,10 @@ def check_reversal(points: Array, found: Found, label: str, tolerance: float) ->
     if turn is None:
         return
     line = f" ({found.where(turn.point)})" if len(found.places) and found.place != "point" else ""
+    x, y = points[turn.point]
     raise refuse(
-        label, f"the path turns round at point {turn.point}{line}, s = {turn.place:.4g} m; reversing is "
-        "not supported, split it there",
+        label, f"the path turns round at point {turn.point}{line} = ({x:.6g}, {y:.6g}), "
+        f"s = {turn.place:.4g} m; reversing is not supported, split it there",
     )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,7 @@ class CurveFile(Curve):
         InvalidInput: No such file, unknown format, a line that is no point (says which one).
     """
 
+    kept_when_pickled: ClassVar[tuple[str, ...]] = ("reading",)
     kind: Literal["file"] = "file"
     path: str
     scale: float = quantity("1", "factor on all coordinates", default=1.0, gt=0)

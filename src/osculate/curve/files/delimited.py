@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from osculate.curve.files.columns import Columns, as_column, by_content, by_name, wished
 from osculate.curve.files.found import Array, Found, Wishes, refuse
+from osculate.curve.files.header import PREAMBLE, Row, names_place
 from osculate.curve.files.numbers import decimal, explain_number, is_number
-from osculate.curve.files.sheet import DELIMITERS, Row, Sheet, read_sheet
+from osculate.curve.files.sheet import DELIMITERS, Sheet, read_sheet
 from osculate.curve.files.track import track
 
 
@@ -39,6 +40,7 @@ def _columns(sheet: Sheet, label: str, wishes: Wishes) -> Columns:
     if wishes.columns is not None:
         x, y = wished(wishes.columns, width, label)
         return Columns(x, y, units="m (no header)")
+    _refuse_transposed(sheet, label)
     numbers = [
         as_column(decimal, [row.cells[n] for row in sheet.rows])  # type: ignore[arg-type]
         for n in range(width)
@@ -46,6 +48,14 @@ def _columns(sheet: Sheet, label: str, wishes: Wishes) -> Columns:
     _refuse_mixed(sheet, numbers, label)
     _refuse_counted(sheet, numbers, label)
     return by_content(numbers, label)
+
+
+def _refuse_transposed(sheet: Sheet, label: str) -> None:
+    """Rows that are called x and y."""
+    names = [row.cells[0] for row in sheet.rows[:PREAMBLE]]
+    if names_place(names):
+        shown = ", ".join(names)
+        raise refuse(label, f"its rows are {shown}; write one point a line, under the header x,y")
 
 
 def _refuse_mixed(sheet: Sheet, numbers: Sequence[Array | None], label: str) -> None:

@@ -13,6 +13,7 @@ from osculate.curve.files.numbers import decimal
 from osculate.curve.files.opendrive import read_opendrive
 
 _FORBIDDEN = re.compile(r"<!(DOCTYPE|ENTITY)", re.IGNORECASE)
+_HTML = re.compile(r"\s*<(!DOCTYPE\s+)?html\b", re.IGNORECASE)
 
 
 class Line(NamedTuple):
@@ -29,6 +30,8 @@ def read_markup(text: str, label: str, wishes: Wishes) -> Found:
     Raises:
         InvalidInput: Not XML, with a document type or entities, of an unknown kind, or without a path.
     """
+    if _HTML.match(text):
+        raise refuse(label, "is an HTML page, no curve (a download that failed?)")
     forbidden = _FORBIDDEN.search(text)
     if forbidden:
         line = text[: forbidden.start()].count("\n") + 1

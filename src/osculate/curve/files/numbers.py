@@ -39,7 +39,7 @@ def explain_number(cell: Any) -> str:
     text = str(cell)
     shown = repr(text if len(text) <= 40 else text[:40] + "…")
     lower = text.strip().lower().lstrip("+-")
-    if not lower:
+    if not text.strip():
         return "is empty"
     if isinstance(cell, float) or lower in (".nan", "nan", "inf", ".inf", "infinity"):
         return f"is {text}, must be finite"
@@ -47,6 +47,8 @@ def explain_number(cell: Any) -> str:
         return f"is {shown}, which is no decimal number (minutes and seconds?)"
     if re.fullmatch(r"0\d+", lower):
         return f"is {shown}; write it without leading zeros (some programs read it as octal)"
+    if is_number(text):
+        return f"is the text {shown}; write it as a number, without quotes"
     if _DECIMAL.fullmatch(text):
         return f"is {shown}, must be finite"
     return f"is {shown}, no number"

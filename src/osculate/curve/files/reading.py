@@ -11,6 +11,7 @@ from osculate.curve.contract import Curve
 from osculate.curve.files.checks import check_flat, check_places, check_reversal, doubts
 from osculate.curve.files.delimited import read_delimited
 from osculate.curve.files.documents import load_json, load_yaml
+from osculate.curve.files.foreign import foreign
 from osculate.curve.files.found import Array, Choice, Found, Wishes, refuse
 from osculate.curve.files.geojson import is_geojson, read_geojson
 from osculate.curve.files.loop import closure
@@ -109,6 +110,9 @@ def _found(path: Path, wishes: Wishes) -> Found:
         return read_mcap(path, wishes)
     text = read_text(path)
     content, start = text.content, text.content.lstrip()[:1]
+    other = foreign(content)
+    if other:
+        raise refuse(label, f"is {other}")
     yaml = suffix in (".yaml", ".yml")
     if start == "<":
         found = read_markup(content, label, wishes)

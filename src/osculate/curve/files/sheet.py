@@ -9,23 +9,12 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from osculate.curve.files.found import refuse
-from osculate.curve.files.names import UNITS, axis_of, globe, parse_name, positions
+from osculate.curve.files.header import COMMA_NUMBER, Cells, Row, take_header
 from osculate.curve.files.numbers import is_number
 
 COMMENT = ("#", "%", "//")
-PREAMBLE = 10  # lines before the header that may hold a title
 SNIFFED = 30  # lines the delimiter is told from
 DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ": "spaces"}
-_COMMA_NUMBER = re.compile(r"\s*[+-]?\d*,\d+(?:[eE][+-]?\d+)?\s*")
-
-Cells = list[str]
-
-
-class Row(NamedTuple):
-    """One line, taken apart."""
-
-    line: int  # from 1
-    cells: Cells
 
 
 class Sheet(NamedTuple):
@@ -54,18 +43,27 @@ def read_sheet(text: str, label: str) -> Sheet:
     body = [(n, line) for n, line in numbered if not line.startswith(COMMENT)]
     if not body:
         raise refuse(label, "must hold lines with x and y (m); it holds none")
+    _refuse_brackets(body[0], label)
     delimiter = forced or _delimiter([line for _, line in body[:SNIFFED]])
     if delimiter not in DELIMITERS:
         raise refuse(label, f"has the delimiter {delimiter!r}; use one of {' '.join(DELIMITERS)}")
     rows = [Row(n, cells) for n, cells in _cells(body, delimiter, label)]
     first = body[0][0]
     comments = [(n < first, line) for n, line in numbered if line.startswith(COMMENT)]
-    header, rows, warnings = _header(rows, comments, delimiter, label)
+    header, rows, warnings = take_header(rows, comments, delimiter)
     if not rows:
         raise refuse(label, "must hold lines with x and y (m); it holds a header only")
     rows, commas = _decimal_commas(rows, delimiter, label)
     rows, more = _even(header, rows, label)
     return Sheet(header, rows, delimiter, commas, (*warnings, *more))
+
+
+def _refuse_brackets(first: tuple[int, str], label: str) -> None:
+    """``(1, 2)``: numbers in brackets are points of another notation."""
+    number, line = first
+    if re.match(r"[(\[{]+\s*[-+]?[\d.]", line):
+        message = "has brackets around its numbers; write one point a line: x,y"
+        raise refuse(label, message, f"line {number}")
 
 
 def _delimiter(lines: Sequence[str]) -> str:
@@ -75,8 +73,8 @@ def _delimiter(lines: Sequence[str]) -> str:
             return strong
     if not any("," in line for line in lines):
         return " "
-    spaced = [line.split() for line in lines[1:] or lines]
-    if all(len(cells) > 1 and all(map(_COMMA_NUMBER.fullmatch, cells)) for cells in spaced):
+    spaced = [[c for c in line.split() if "," in c] for line in lines[1:] or lines]
+    if all(len(cells) > 1 and all(map(COMMA_NUMBER.fullmatch, cells)) for cells in spaced):
         return " "
     return ","
 
@@ -97,103 +95,12 @@ def _cells(
         yield n, [cell.strip() for cell in cells]
 
 
-def _header(
-    rows: list[Row], comments: Sequence[tuple[bool, str]], delimiter: str, label: str
-) -> tuple[Cells | None, list[Row], tuple[str, ...]]:
-    """The header, the rows under it, and what was left out above it."""
-    if any(map(is_number, rows[0].cells)):
-        header = _commented([c for above, c in comments if above], rows[0].cells, delimiter)
-        lost = [
-            comment
-            for above, comment in comments
-            if header is None and _lost_header(comment, delimiter, above)
-        ]
-        return (
-            header,
-            rows,
-            tuple(
-                f"the comment {c[:60]!r} may be a header, but not here or not of this many columns"
-                for c in lost[:1]
-            ),
-        )
-    start = 0
-    for n, row in enumerate(rows[:PREAMBLE]):
-        if any(map(is_number, row.cells)):
-            break
-        if _names_place(row.cells):
-            start = n
-            break
-    header, rest = rows[start].cells, rows[start + 1 :]
-    warnings = (f"the lines before the header in line {rows[start].line} are left out",) * (
-        start > 0
-    )
-    if rest and _units_only(rest[0].cells):
-        header = [
-            f"{name} [{unit}]" if unit else name for name, unit in _zip(header, rest[0].cells)
-        ]
-        rest = rest[1:]
-    return header, rest, warnings
-
-
-def _zip(header: Cells, units: Cells) -> Iterator[tuple[str, str]]:
-    padded = [*units, *[""] * len(header)]
-    return ((name, padded[n].strip("[]() ")) for n, name in enumerate(header))
-
-
-def _lost_header(comment: str, delimiter: str, above: bool) -> bool:
-    """Whether a comment that is no header was one, perhaps."""
-    cells = _split(comment, delimiter)
-    if not above:
-        return _names_place(cells)
-    words = delimiter != " " and not any(re.search(r"\s", cell) for cell in cells)
-    return _hints(cells) or (words and len(cells) > 2)
-
-
-def _hints(cells: Cells) -> bool:
-    """Whether some cell names an axis."""
-    return any(axis_of(parse_name(cell)) for cell in cells)
-
-
-def _names_place(cells: Cells) -> bool:
-    names = [parse_name(cell) for cell in cells]
-    return bool(positions(names) or globe(names))
-
-
-def _units_only(cells: Cells) -> bool:
-    bare = [cell.strip("[]() ").lower() for cell in cells]
-    return all(cell in UNITS or not cell for cell in bare) and any(
-        cell in UNITS and not is_number(cell) for cell in bare
-    )
-
-
-def _split(comment: str, sign: str) -> Cells:
-    bare = comment.lstrip("#%/ ").strip()
-    cells = [cell.strip() for cell in (bare.split() if sign == " " else bare.split(sign))]
-    while cells and not cells[-1]:
-        cells.pop()
-    return cells
-
-
-def _commented(comments: Sequence[str], first: Cells, delimiter: str) -> Cells | None:
-    """The last comment above the rows that has a name for each column."""
-    width = len(first) - (first[-1] == "")
-    for comment in reversed(comments):
-        for sign in (delimiter, ";", "\t", ",", " "):
-            cells = _split(comment, sign)
-            if len(cells) != width or any(map(is_number, cells)):
-                continue
-            words = all(re.fullmatch(r"\S+|\S+ ?[\[(].*", cell.strip("\"'")) for cell in cells)
-            if _names_place(cells) or (words and sign != " ") or _hints(cells):
-                return cells
-    return None
-
-
 def _decimal_commas(rows: list[Row], delimiter: str, label: str) -> tuple[list[Row], bool]:
     """Commas inside numbers become points; a file has either the one or the other."""
     if delimiter == "," and not any("," in cell for row in rows for cell in row.cells):
         _refuse_split_numbers(rows, label)
         return rows, False
-    if not any(_COMMA_NUMBER.fullmatch(cell) for row in rows for cell in row.cells):
+    if not any(COMMA_NUMBER.fullmatch(cell) for row in rows for cell in row.cells):
         return rows, False
     for row in rows:
         for n, cell in enumerate(row.cells):
@@ -203,7 +110,7 @@ def _decimal_commas(rows: list[Row], delimiter: str, label: str) -> tuple[list[R
                 )
                 raise refuse(label, message, f"line {row.line}")
     return [
-        Row(n, [c.replace(",", ".") if _COMMA_NUMBER.fullmatch(c) else c for c in cells])
+        Row(n, [c.replace(",", ".") if COMMA_NUMBER.fullmatch(c) else c for c in cells])
         for n, cells in rows
     ], True
 

@@ -41,7 +41,13 @@ def nurbs(trajectory: Mapping[str, Any], label: str, scale: float) -> Nurbs:
 def _knots(given: Any, count: int, degree: int) -> list[float]:
     if given is None or given == []:
         return clamped(count, degree)
-    return [number(knot) for knot in given]
+    knots = []
+    for n, knot in enumerate(given):
+        try:
+            knots.append(number(knot))
+        except ValueError as error:
+            raise ValueError(f"knot {n} {error}") from None
+    return knots
 
 
 def _control(point: Any, n: int) -> tuple[tuple[float, float], float]:
@@ -57,7 +63,10 @@ def _control(point: Any, n: int) -> tuple[tuple[float, float], float]:
 
 
 def _degree(given: Any, count: int) -> int:
-    degree = 1.0 if given is None else number(given)
+    try:
+        degree = 1.0 if given is None else number(given)
+    except ValueError as error:
+        raise ValueError(f"its degree {error}") from None
     if degree != int(degree):
         raise ValueError(f"its degree is {degree:g}, must be a whole number")
     if not 1 <= degree < count:

@@ -17,6 +17,7 @@ from osculate.curve.files.pieces import Piece, joined
 from osculate.curve.files.trajectory import nurbs
 from osculate.curve.segments import Line
 
+ALONG = 0.1  # rad, an orientation against the edge that still is forwards
 BESIDE = 0.01  # m, an edge that ends further from its node is named
 Node = Mapping[str, Any]
 
@@ -37,7 +38,7 @@ def find_vda(documents: Sequence[Any]) -> list[Mapping[str, Any]]:
 
 def _find(node: Any) -> Iterator[Mapping[str, Any]]:
     if isinstance(node, Mapping):
-        if isinstance(node.get("layouts"), list) or "controlPoints" in node:
+        if isinstance(node.get("layouts"), list) or "controlPoints" in node or "edgeStates" in node:
             yield node
             return
         edges = node.get("edges")
@@ -68,6 +69,10 @@ def read_vda(found: Sequence[Mapping[str, Any]], label: str, wishes: Wishes) -> 
     if len(found) > 1 and any(item != found[-1] for item in found):
         warnings = (f"{len(found)} orders or trajectories are there; the last one is read",)
     item = found[-1]
+    if "edgeStates" in item:
+        raise refuse(
+            label, "is a VDA 5050 state of a vehicle; the path is in the order that it drives"
+        )
     if "controlPoints" in item:
         curve = nurbs(item, label, wishes.scale)
         shape = f"NURBS of degree {curve.degree} with {len(curve.points)} control points"
@@ -101,6 +106,7 @@ def _order(
     horizon = sum(str(edge.get("released", True)).lower() == "false" for edge in edges)
     if horizon:
         warnings.append(f"{horizon} of {len(edges)} edges are not released yet (the horizon)")
+    warnings += _unused(edges)
     nodes = {str(node.get("nodeId")): node for node in mappings(order.get("nodes"))}
     made = [
         Edge(
@@ -110,6 +116,21 @@ def _order(
         for n, edge in enumerate(edges)
     ]  # fmt: skip
     return made, nodes, tuple(warnings)
+
+
+def _unused(edges: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """What the edges ask for and a curve cannot hold: speeds, and driving backwards or aside."""
+    slow = [edge["maxSpeed"] for edge in edges if isinstance(edge.get("maxSpeed"), (int, float))]
+    if slow:
+        yield f"maxSpeed (least {min(slow):g} m/s) is in the edges and not used; give it as the speed limit"
+    for edge in edges:
+        turned = edge.get("orientation")
+        tangential = str(edge.get("orientationType", "TANGENTIAL")).upper() == "TANGENTIAL"
+        if tangential and isinstance(turned, (int, float)) and abs(turned) > ALONG:
+            yield (
+                f"edge {edge.get('edgeId', '?')} is to be driven with the robot turned by "
+                f"{np.degrees(turned):.4g}°; it is driven forwards"
+            )
 
 
 def _sequence(edge: Mapping[str, Any], n: int, label: str) -> float | None:
