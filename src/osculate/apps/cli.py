@@ -78,6 +78,8 @@ def run(
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
+    if caution := chosen.caution():
+        _show_warning(caution)
     with progress("simulating") as report:
         result = chosen.run(report)
     _print_metrics(result, chosen.name)
@@ -421,10 +423,10 @@ def _print_metrics(result: "Run", title: str) -> None:
     from osculate.study.report import metric_rows
 
     _print_rows(title, metric_rows(result.metrics))
-    style: Any = "bold red" if result.diverged else "none"
+    style: Any = "bold red" if result.metrics.ended in ("diverged", "safety stop") else "none"
     out.print(f"The run {result.message}.", style=style)
     for done in result.interventions:
-        out.print(f"{done.begin:.2f} to {done.end:.2f} s: {done.reason}", style="yellow")
+        out.print(str(done), style="yellow", markup=False)
 
 
 if __name__ == "__main__":

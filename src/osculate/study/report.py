@@ -64,7 +64,7 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
         title=html.escape(title),
         description=html.escape(description),
         message=html.escape(f"The run {run.message}.") + _interventions(run),
-        kind="bad" if run.diverged else "good",
+        kind="bad" if run.metrics.ended in ("diverged", "safety stop") else "good",
         rows="\n".join(
             f"<tr><th>{html.escape(label)}</th><td>{html.escape(value)}</td></tr>"
             for label, value in metric_rows(run.metrics)
@@ -82,11 +82,9 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
 
 
 def _interventions(run: "Run") -> str:
-    """What the safety layer did, as lines of the page."""
-    return "".join(
-        f"<br>{done.begin:.2f} to {done.end:.2f} s: {html.escape(done.reason)}"
-        for done in run.interventions
-    )
+    """What was done instead of what the law decided, as lines of the page."""
+    lines = [str(done) for done in run.interventions]
+    return "".join(f"<br>{html.escape(line)}" for line in [*lines, run.caution] if line)
 
 
 def _setup_text(run: "Run") -> str:

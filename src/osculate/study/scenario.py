@@ -9,17 +9,18 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator, model_validator
 
 from osculate.control import CurvatureLaw, Ekf, Safety
+from osculate.control.safety import reserve_of
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.curve.files.documents import load_yaml
 from osculate.errors import InvalidInput, choose
 from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
 from osculate.scene import Scene, Wall
-from osculate.simulation import AnyClock, Continuous, InitialState, Run, simulate
+from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
 from osculate.simulation.blocks import Report
 from osculate.simulation.run import TRACKER_WORLD
 from osculate.spec import Spec
-from osculate.target import AnyTarget, Limits, Modified
+from osculate.target import AnyTarget, Limits, Modified, plan_speed
 from osculate.vehicle import Tricycle, vehicle_named
 
 AnyController = Annotated[CurvatureLaw | AnyTracker, Field(discriminator="kind")]
@@ -96,6 +97,24 @@ class Scenario(Spec):
             "sensors", "estimator", "safety", "faults",
         )  # fmt: skip
         return {name: getattr(self, name) for name in names}
+
+    def caution(self) -> str | None:
+        """Where a steering that gets stuck would take the robot out of its corridor, in a sentence.
+
+        None if nowhere, or where nothing guards a path tracker.
+
+        Raises:
+            InvalidInput: Limits that contradict each other.
+            NoSolution: The robot cannot follow the curve.
+        """
+        if self.safety is None or not isinstance(self.clock, Sampled):
+            return None
+        clock = self.clock
+        delay = round(clock.delay / clock.period)
+        task = (self.curve, self.robot, self.limits)
+        timing = (clock.period, delay)
+        ceiling = reserve_of(self.safety, *task, *timing)
+        return self.safety.foresee(*task, *timing).caution(plan_speed(*task, ceiling))
 
     def run(self, report: Report | None = None) -> Run:
         """Simulate it once."""

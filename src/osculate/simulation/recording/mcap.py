@@ -153,6 +153,9 @@ def _diagnostics(run: "Run", time: float) -> Message:
             "values": [
                 {"key": "begin [s]", "value": str(done.begin)},
                 {"key": "end [s]", "value": str(done.end)},
+                {"key": "arc length [m]", "value": str(done.place)},
+                {"key": "corridor excess [m]", "value": str(done.excess)},
+                {"key": "cause", "value": done.cause},
             ],
         }
         for done in run.interventions
