@@ -138,7 +138,6 @@ def test_a_late_pose_meets_the_place_where_it_was_taken():
     trail = tuple(Place(1.0 - 0.1 * n, 0.2 * n, 0.01 * n) for n in range(4))
     assert place_then(trail, 2.0) == pytest.approx(trail[2])
     assert place_then(trail, 1.5) == pytest.approx((0.85, 0.3, 0.015))
-    assert all(math.isnan(value) for value in place_then(trail, 5.0))
 
 
 def test_compiled_and_uncompiled_agree_bit_for_bit():

@@ -163,8 +163,7 @@ class Stepper:
     @property
     def alarm(self) -> Alarm:
         """Reason, excess (m) and cause of the last step's intervention, see `control.reasons`."""
-        alarm = self.memory.alarm
-        return Alarm(0.0, 0.0, 0.0) if alarm.reason == ARRIVED else alarm
+        return self.memory.alarm
 
     @property
     def intervention(self) -> int:

@@ -43,6 +43,7 @@ class WatchMemory(NamedTuple):
     """Memory of `watch_motion`."""
 
     last: Motion  # as measured
+    seen: Motion  # as it was believed then
     known: float  # 1 once there is one
     way: float  # m/s, mean of the speed by poses minus the speed
     turn: float  # rad/s, mean of the yaw rate by headings minus the yaw rate
@@ -52,19 +53,28 @@ class WatchMemory(NamedTuple):
 
 
 #: Nothing was measured yet.
-UNSEEN = WatchMemory(Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+UNSEEN = WatchMemory(
+    Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+    0.0,
+)
 
 
 @kernel
-def compare_means(motion: Motion, now: WatchMemory, p: WatchParameters) -> Any:
+def compare_means(motion: Motion, believed: Motion, now: WatchMemory, p: WatchParameters) -> Any:
     """Means of what poses and readings say differently (speed, yaw rate, yaw rate of the steering).
 
-    The fourth value is the speed (m/s) by the last two poses.
+    Poses are those that were believed; the fourth value is the speed (m/s) by the last two of them.
     """
-    last = now.last
-    sine, cosine = sincos(motion.heading)
-    along = (motion.x - last.x) * cosine + (motion.y - last.y) * sine
-    turned = wrap_angle(motion.heading - last.heading)
+    last, before = now.last, now.seen
+    sine, cosine = sincos(believed.heading)
+    along = (believed.x - before.x) * cosine + (believed.y - before.y) * sine
+    turned = wrap_angle(believed.heading - before.heading)
     steered = motion.speed * tan(motion.steering_angle) / p.wheelbase
     known = now.known * p.blend
     way = now.way + known * (along / p.period - 0.5 * (motion.speed + last.speed) - now.way)
@@ -112,7 +122,7 @@ def watch_motion(motion: Motion, expected: Motion, now: WatchMemory, p: WatchPar
     """
     fresh = now.known > 0.0
     believed, sudden = blame(motion, select(fresh, expected, motion), now, p)
-    way, turn, bend, pace = compare_means(motion, now, p)
+    way, turn, bend, pace = compare_means(motion, believed, now, p)
     rate = abs(motion.yaw_rate)
     slides = abs(way) > 0.25 + 0.15 * abs(motion.speed)
     creeping = YAW_RATE if abs(turn) > 0.25 + 0.25 * rate else 0.0
@@ -130,4 +140,4 @@ def watch_motion(motion: Motion, expected: Motion, now: WatchMemory, p: WatchPar
     )  # fmt: skip
     what = SPEED if doubted and cause == 0.0 else cause
     alarm = Alarm(IMPOSSIBLE if doubt > p.patience else 0.0, 0.0, what)
-    return seen, WatchMemory(motion, 1.0, way, turn, bend, doubt, distrust), alarm
+    return seen, WatchMemory(motion, seen, 1.0, way, turn, bend, doubt, distrust), alarm

@@ -10,6 +10,7 @@ from osculate.control.contract import Errors
 from osculate.control.estimation.contract import Evidence, Sight
 from osculate.control.gate import gate_command
 from osculate.control.reasons import (
+    ARRIVED,
     CALM,
     GYRO,
     NO_GYRO,
@@ -141,6 +142,13 @@ def worst(
 
 
 @kernel
+def show(stop: Alarm, now: Alarm) -> Alarm:
+    """What is told: a stop for as long as it lasts; the end of the path is no intervention."""
+    alarm = select(stop.reason > 0.0, stop, now)
+    return select(alarm.reason == ARRIVED, CALM, alarm)
+
+
+@kernel
 def expect(
     motion: Motion, steering: Steering, command: float, acceleration: float, rests: bool,
     p: TrackingParameters,
@@ -231,7 +239,7 @@ def track(
         guard=guarded,
         gate=gate,
         stop=stop,
-        alarm=select(brakes, stop.alarm, alarm),
+        alarm=show(stop.alarm, alarm),
     )
     bend = foot.curvature
     reference = Reference(
