@@ -1,5 +1,6 @@
 """Tables: a known curve written in many ways is the same curve; what is no path is refused by its fault."""
 
+import json
 import math
 
 import numpy as np
@@ -207,6 +208,16 @@ def test_what_is_no_path_is_refused_by_its_fault(tmp_path, text, message):
 def test_columns_that_are_not_there(tmp_path, columns, message):
     with pytest.raises(InvalidInput, match=message):
         read_file(written(tmp_path, "t.csv", "u,v,w\n0,0,1\n1,1,1\n"), columns=columns)
+
+
+def test_options_that_say_nothing_about_a_file_are_refused(tmp_path):
+    table = written(tmp_path, "t.csv", "x,y\n0,0\n1,1\n")
+    with pytest.raises(InvalidInput, match=r"take = 'a': chooses among several paths; .*holds one"):
+        read_file(table, take="a")
+    line = {"type": "LineString", "coordinates": [[0.0, 0.0], [900.0, 1.0]]}
+    line = written(tmp_path, "t.geojson", json.dumps(line))
+    with pytest.raises(InvalidInput, match=r"columns.*tables and lists; .* is GeoJSON"):
+        read_file(line, columns=(1, 2))
 
 
 def test_columns_by_name_and_their_units(tmp_path):
