@@ -127,6 +127,23 @@ def test_equality_and_hash_are_those_of_the_fields():
     assert Reduced() != Actuated()
 
 
+@pytest.mark.parametrize("spec", EACH.values(), ids=EACH)
+def test_true_is_no_number(spec):
+    given = {name: getattr(spec, name) for name in spec.model_fields_set}
+    for name, field in type(spec).model_fields.items():
+        if field.annotation in (float, int, float | None, int | None):
+            with pytest.raises(InvalidInput, match=f"{name} = True: is no number"):
+                type(spec)(**{**given, name: True})
+
+
+def test_true_is_no_number_in_lists_and_files_either():
+    with pytest.raises(InvalidInput, match=r"points.*truth value"):
+        Spline(points=[(0.0, 0.0), (1.0, True)])
+    with pytest.raises(InvalidInput, match=r"limits\.speed = True"):
+        Scenario.parse({"limits": {"speed": True}})
+    assert CurveFile(path="a.csv", loop=True, speeds=True).loop is True
+
+
 def test_fields_that_were_never_given_follow_their_defaults():
     tracked = Scenario().but(controller=CurvatureTracker())
     assert tracked == Scenario(controller=CurvatureTracker())

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 T = TypeVar("T")
+LONGEST = 400  # characters of a value in a message
 
 
 class OsculateError(Exception):
@@ -24,10 +25,18 @@ class InvalidInput(OsculateError, ValueError):
     """
 
     def __init__(self, field: str, value: object, valid: str) -> None:
-        super().__init__(f"{field} = {value!r}: {valid}")
+        super().__init__(f"{field} = {_shown(value)}: {valid}")
         self.field = field
         self.value = value
         self.valid = valid
+
+
+def _shown(value: object) -> str:
+    """A value as it is written, without the middle of a long one."""
+    written = repr(value)
+    if len(written) <= LONGEST:
+        return written
+    return f"{written[: LONGEST // 2]} … {written[-LONGEST // 2 :]}"
 
 
 class InvalidScenario(OsculateError, ValueError):

@@ -7,7 +7,7 @@ physical quantities one way to state their unit.
 
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, get_args
 
 import pydantic
 from pydantic import BaseModel, ConfigDict, Field
@@ -42,6 +42,16 @@ class Spec(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, arbitrary_types_allowed=True
     )
     kept_when_pickled: ClassVar[tuple[str, ...]] = ()  # cached properties read from elsewhere
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _no_truth_value(cls, given: Any) -> Any:
+        """``true`` is no 1: refuse it where a number is meant, in lists too."""
+        for name, field in cls.model_fields.items() if isinstance(given, dict) else ():
+            value = given.get(name)
+            if _holds_truth(value) and not _mentions(field.annotation, bool):
+                raise InvalidInput(name, value, "is no number but a truth value")
+        return given
 
     def __init__(self, **fields: Any) -> None:
         try:
@@ -97,6 +107,17 @@ class Spec(BaseModel):
         return {**state, "__dict__": kept}
 
 
+def _mentions(annotation: Any, kind: type) -> bool:
+    """Whether a type is this one or one of its arguments is."""
+    return annotation in (kind, Any) or any(_mentions(part, kind) for part in get_args(annotation))
+
+
+def _holds_truth(value: Any) -> bool:
+    if isinstance(value, (list, tuple)):
+        return any(map(_holds_truth, value))
+    return isinstance(value, bool)
+
+
 def explain(error: pydantic.ValidationError, spec: type[BaseModel]) -> OsculateError:
     """Translate a pydantic report into the package's error for the class ``spec``."""
     for details in error.errors():
@@ -137,6 +158,8 @@ def _problems(
 
 
 def _valid(details: Mapping[str, Any], fields: Mapping[str, Any]) -> str:
+    if details["type"] in ("model_attributes_type", "model_type", "dict_type"):
+        return "must be a mapping of fields to values, such as {kind: …}"
     message = str(details["msg"])
     message = message.removeprefix("Value error, ").removeprefix("Input should be ")
     message = message if message.startswith("must") else f"must be {message}"

@@ -2,6 +2,7 @@
 
 import importlib.util
 import random
+import re
 import tracemalloc
 from pathlib import Path
 
@@ -162,3 +163,30 @@ def test_no_formula_costs_more_than_it_may(text):
 
 def test_fuzz():
     assert fuzz.main(200, seed=3) == 0
+
+
+@settings(max_examples=40)
+@given(
+    stop=st.floats(-0.95, 0.95).map(lambda p: round(p, 6)),
+    powers=st.sampled_from([(2, 3), (3, 4), (2, 5), (3, 5), (2, 2), (3, 3)]),
+    form=st.sampled_from(["formula", "function"]),
+)
+def test_a_stop_between_the_nodes_is_found_wherever_it_is(stop, powers, form):
+    a, b = powers
+    formulas = {"x": f"1 + (p - ({stop}))**{a}", "y": f"(p - ({stop}))**{b} - 2"}
+    functions = {"x": lambda p: 1 + (p - stop) ** a, "y": lambda p: (p - stop) ** b - 2}
+    with pytest.raises(InvalidInput, match=r"cusp|jumps or has a kink") as refused:
+        Parametric(**(formulas if form == "formula" else functions), start=-1, end=1).length  # noqa: B018
+    place = re.search(r"p = ([-+.\de]+?),", str(refused.value))
+    assert float(place.group(1)) == pytest.approx(stop, abs=1e-4)
+
+
+@given(least=st.floats(1e-6, 0.5), phase=st.floats(-3, 3))
+def test_a_curve_that_slows_down_and_does_not_stop_passes(least, phase):
+    x, y = f"p - {1 - least!r}*sin(p + {phase!r})", f"{1 - least!r}*cos(p + {phase!r})"
+    curve = Parametric(x=x, y=y, start=-4, end=4)
+    p = np.linspace(-4, 4, 400_001)
+    steps = np.hypot(
+        np.diff(p - (1 - least) * np.sin(p + phase)), np.diff((1 - least) * np.cos(p + phase))
+    )
+    assert curve.length == pytest.approx(steps.sum(), rel=1e-6)

@@ -24,6 +24,8 @@ _TANGENT_TAIL = 1e-4
 _LAST = (np.polynomial.legendre.legvander(_NODES, 9)[:, 8:] * _WEIGHTS[:, None]).T * [[8.5], [9.5]]
 _SHIFT = 1e-9  # of a panel's length: how well ∫ r' dp must agree with the r at its ends
 _HALVINGS = 46
+_SLOW = 0.1  # of the largest speed in a panel: there may be a stop near
+_STEPS = 40
 _MOST_PANELS = 1 << 15  # more than at the beginning
 _MOST_DOUBTS = 1 << 13  # panels up to which wide bounds of r' alone are a reason to halve
 
@@ -50,7 +52,8 @@ class Panels:
         with np.errstate(all="ignore"):
             self._require_motion(first, self.speed(first))
             self.p, self.lengths = self._resolved(first)  # edges, shape (n,); m, shape (n − 1,)
-            self._require_motion(self.p, self.speed(self.p))
+            slowest = np.union1d(self.p, self._slowest())
+            self._require_motion(slowest, self.speed(slowest))
 
     def speed(self, p: Array) -> Array:
         """|r'| at parameters of any shape (m)."""
@@ -64,6 +67,24 @@ class Panels:
         middle = 0.5 * (end + start)[..., None]
         length: Array = (self.speed(middle + half * _NODES) * half) @ _WEIGHTS
         return length
+
+    def _slowest(self) -> Array:
+        """Parameters of least speed in panels whose speed varies much.
+
+        A stop between the nodes may be smooth, or so near to an edge that the nodes do not see its kink.
+        """
+        middle, half = 0.5 * (self.p[1:] + self.p[:-1]), 0.5 * np.diff(self.p)
+        nodes = middle[:, None] + half[:, None] * np.concatenate([[-1.0], _NODES, [1.0]])
+        speed = self.speed(nodes)
+        slow = np.flatnonzero(speed.min(axis=1) < _SLOW * speed.max(axis=1))
+        p = nodes[slow, speed[slow].argmin(axis=1)]
+        for _ in range(
+            _STEPS
+        ):  # Gauss–Newton on r' = 0, linear in convergence where r'' is 0 as well
+            tangent, change = self._derivative(p, 1), self._derivative(p, 2)
+            step = (tangent * change).sum(axis=1) / (change**2).sum(axis=1)
+            p = np.clip(p - np.nan_to_num(step), self.p[slow], self.p[slow + 1])
+        return p
 
     def _resolved(self, p: Array) -> tuple[Array, Array]:
         """Edges of panels that are all resolved, and the panels' lengths (m)."""

@@ -267,7 +267,7 @@ def test_only_regular_files_of_bounded_size_are_opened(tmp_path):
     os.mkfifo(tmp_path / "pipe.csv")
     for name, message in (
         (tmp_path / "pipe.csv", "regular file"), ("/dev/zero", "regular file"), (tmp_path, "is a folder"),
-        (tmp_path / "none.csv", "No such file"), (tmp_path / ("a" * 500), "must be a readable file"),
+        (tmp_path / "none.csv", "no such file"), (tmp_path / ("a" * 500), "must be a readable file"),
     ):  # fmt: skip
         with pytest.raises(InvalidInput, match=message):
             read_curve(name)

@@ -147,6 +147,12 @@ def _is_time(column: Array) -> bool:
     return bool(len(column) > 2 and column[0] > EPOCH and (steps >= 0).all() and steps.any())
 
 
+def _nanoseconds(column: Array) -> bool:
+    """Whether a column may be the part of a time below a second."""
+    whole = bool((column == np.floor(column)).all())
+    return whole and column.min() >= 0.0 and 1e6 < column.max() < 1e9
+
+
 def _counts(column: Array) -> bool:
     return bool((np.diff(column) == 1.0).all() and column[0] in (0.0, 1.0))
 
@@ -197,7 +203,8 @@ def _parameter(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     if _flat(a) and _flat(b):
         return ""
     if _is_time(t):
-        return f"column {first + 1} looks like a time; {_say(x, y)}"
+        rest = able[2:4] if len(able) > 3 and _nanoseconds(a) else (x, y)
+        return f"column {first + 1} looks like a time; {_say(*rest)}"
     if _is_time(a):
         return f"column {x + 1} looks like a time; {_say(first, y)}"
     if _heading_fits(numbers, able, t, a):
@@ -208,6 +215,8 @@ def _parameter(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     along = bool((step > 0).all() and np.abs(chord - step).max() <= 0.02 * step.mean())
     if along and not _flat(a) and not _flat(b):
         return f"column {first + 1} is the length of the way along the next two; {_say(x, y)}"
+    if not _flat(t) and _heading_fits(numbers, (x, y, first), a, b):
+        return f"column {first + 1} is the heading of the way along the next two; {_say(x, y)}"
     return ""
 
 

@@ -60,7 +60,7 @@ def take_header(
 
 def _is_value(cell: str, delimiter: str) -> bool:
     """Whether a cell is a number, with a decimal comma perhaps, and so no name."""
-    return is_number(cell) or (delimiter != "," and bool(COMMA_NUMBER.fullmatch(cell)))
+    return is_number(cell.strip("'`")) or (delimiter != "," and bool(COMMA_NUMBER.fullmatch(cell)))
 
 
 def _zip(header: Cells, units: Cells) -> Iterator[tuple[str, str]]:

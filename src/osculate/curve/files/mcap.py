@@ -50,7 +50,8 @@ def read_mcap(path: Path, wishes: Wishes) -> Found:
     except InvalidInput:
         raise
     except Exception as error:  # mcap, struct, lz4 and zstandard each raise errors of their own
-        raise refuse(label, f"is a damaged MCAP file ({error or type(error).__name__})") from None
+        why = str(error) or type(error).__name__
+        raise refuse(label, f"is a damaged MCAP file, cut off perhaps ({why})") from None
     topic, warnings = _choose(topics, others, label, wishes)
     store = systems.get_typestore(systems.Stores.ROS2_JAZZY)
     try:

@@ -88,6 +88,7 @@ def parse_name(raw: str) -> Name:
     bracket = re.search(r"\s*[\[(<{]\s*(?:in\s+)?([^\])>}]*?)\s*[\])>}]\s*$", text)
     if bracket and bracket.start() and not bracket[1].isdigit():
         unit, text = bracket[1].lower(), text[: bracket.start()]
+        unit = "inch" if unit in ("in", '"') else unit
     text = re.sub(r"(?<=[a-z])(?=[XY](?:$|[^a-z]))|(?<=[a-z]{2})(?=[A-Z])", "_", text)
     text = re.sub(r"(?<=\b[xy])(?=[A-Z][a-z])", "_", text)
     parts = [part for part in re.split(r"[./:|]+", text.lower()) if part.strip()]

@@ -24,6 +24,8 @@ from osculate.curve.spline import Spline
 from osculate.errors import InvalidInput
 
 _YAML_LINE = re.compile(r"---|\s*-( .*)?|\s*(- )*[\w\"']+:( [^:]*| *| .*[\"'{\[].*)")
+_ONE_PATH = ("table", "VDA 5050")  # formats in which there is nothing to take,
+_COLUMNS = ("table", "JSON", "YAML")  # and in which there are columns
 _SHARES = (0.8, 0.9)  # of the progress: read, points checked
 
 
@@ -148,6 +150,7 @@ def _structured(documents: list[Any], label: str, wishes: Wishes, written: str) 
 
 def _reading(found: Found, label: str, wishes: Wishes, report: Callable[[float], None]) -> Reading:
     report(_SHARES[0])
+    _check_options(found, label, wishes)
     if found.points is None:
         curve = found.curve
         assert curve is not None
@@ -173,6 +176,16 @@ def _reading(found: Found, label: str, wishes: Wishes, report: Callable[[float],
     report(_SHARES[1])
     curve = _spline(points, label, closed, wishes.tolerance)
     return Reading(label, found.format, curve, found, points, speeds, closed, why, said)
+
+
+def _check_options(found: Found, label: str, wishes: Wishes) -> None:
+    """Refuse options that say nothing about a file of this format."""
+    if wishes.take and found.format.startswith(_ONE_PATH):
+        message = f"chooses among several paths; {label} ({found.format}) holds one"
+        raise InvalidInput("take", wishes.take, message)
+    if wishes.columns and not found.format.startswith(_COLUMNS):
+        message = f"are for tables and lists; {label} is {found.format}"
+        raise InvalidInput("columns", wishes.columns, message)
 
 
 def _spline(points: Array, label: str, closed: bool, tolerance: float) -> Spline:

@@ -51,6 +51,8 @@ def check_regular(path: Path) -> None:
     """
     try:
         mode = path.stat().st_mode
+    except FileNotFoundError:
+        raise InvalidInput("path", str(path), "there is no such file") from None
     except (OSError, ValueError) as error:
         raise InvalidInput("path", str(path), f"must be a readable file ({error})") from None
     if stat.S_ISDIR(mode):
