@@ -119,6 +119,37 @@ def test_other_ways_to_write_it(tmp_path, text):
 
 
 @given(
+    sign=st.sampled_from(["#", "%", "//"]),
+    said=st.sampled_from(["", " start, here", "no space", " 3; 4", " it's | \t"]),
+    delimiter=st.sampled_from([",", ";", "\t", "|", " ", ", "]),
+    header=st.sampled_from(["", "x{}y", "x{}y # in metres", "'x'{}'y'"]),
+    quote=st.sampled_from(["", "'"]),
+    every=st.integers(1, 60),
+)
+def test_remarks_behind_numbers_and_single_quotes_change_nothing(
+    tmp_path_factory, sign, said, delimiter, header, quote, every
+):
+    if delimiter == " " and "#" in header:
+        header = "x{}y"
+    rows = [
+        delimiter.join(f"{quote}{value}{quote}" for value in row)
+        + (f"  {sign}{said}" if n % every == 0 else "")
+        for n, row in enumerate(WAVE)
+    ]
+    text = "\n".join([*([header.format(delimiter)] if header else []), *rows])
+    path = written(tmp_path_factory.mktemp("table"), "wave.csv", text)
+    assert points(path) == pytest.approx(WAVE, abs=1e-12)
+
+
+def test_a_name_with_a_number_sign_is_no_remark(tmp_path):
+    for header in ("x,y,name #\n", "x,y,name\n", ""):
+        text = header + "".join(f"{x},{y} ,#{n}\n" for n, (x, y) in enumerate(WAVE))
+        reading = read_file(written(tmp_path, "wave.csv", text))
+        assert reading.points == pytest.approx(WAVE, abs=1e-12)
+        assert not reading.warnings
+
+
+@given(
     delimiter=st.sampled_from([";", "\t", "|", " ", "; "]),
     digits=st.integers(4, 8),
     more=st.sampled_from(["", "0,3", "wp"]),
@@ -207,7 +238,9 @@ def test_the_length_of_the_way_is_no_x(tmp_path):
         ("x,y\n1,1\n1,1\n", "two different points"),
         ("x,0,1,2\ny,0,1,0\n", "rows are x, y; write one point a line"),
         ("(0, 0)\n(1, 2)\n", "line 1.*brackets around"),
-        ("'0','0'\n'1','2'\n", "no two columns of numbers"),
+        ("'0,5','1'\n'1,5','2'\n", "has no two columns of numbers"),
+        ("x,y\n0,0\n1,'2\n2,3\n", "line 3.*cell 2 is \"'2\", no number"),
+        ("x,y\n0,0\n1,2 remark\n2,3\n", "line 3.*cell 2 is '2 remark', no number"),
         ("x|y\n---|---\n1|2\n", "line 2.*cell 1 is '---', no number"),
     ],
 )  # fmt: skip
