@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -119,6 +120,37 @@ def test_other_ways_to_write_it(tmp_path, text):
 
 
 @given(
+    sign=st.sampled_from(["#", "%", "//"]),
+    said=st.sampled_from(["", " start, here", "no space", " 3; 4", " it's | \t"]),
+    delimiter=st.sampled_from([",", ";", "\t", "|", " ", ", "]),
+    header=st.sampled_from(["", "x{}y", "x{}y # in metres", "'x'{}'y'"]),
+    quote=st.sampled_from(["", "'"]),
+    every=st.integers(1, 60),
+)
+def test_remarks_behind_numbers_and_single_quotes_change_nothing(
+    tmp_path_factory, sign, said, delimiter, header, quote, every
+):
+    if delimiter == " " and "#" in header:
+        header = "x{}y"
+    rows = [
+        delimiter.join(f"{quote}{value}{quote}" for value in row)
+        + (f"  {sign}{said}" if n % every == 0 else "")
+        for n, row in enumerate(WAVE)
+    ]
+    text = "\n".join([*([header.format(delimiter)] if header else []), *rows])
+    path = written(tmp_path_factory.mktemp("table"), "wave.csv", text)
+    assert points(path) == pytest.approx(WAVE, abs=1e-12)
+
+
+def test_a_name_with_a_number_sign_is_no_remark(tmp_path):
+    for header in ("x,y,name #\n", "x,y,name\n", ""):
+        text = header + "".join(f"{x},{y} ,#{n}\n" for n, (x, y) in enumerate(WAVE))
+        reading = read_file(written(tmp_path, "wave.csv", text))
+        assert reading.points == pytest.approx(WAVE, abs=1e-12)
+        assert not reading.warnings
+
+
+@given(
     delimiter=st.sampled_from([";", "\t", "|", " ", "; "]),
     digits=st.integers(4, 8),
     more=st.sampled_from(["", "0,3", "wp"]),
@@ -159,6 +191,72 @@ def test_without_a_header_the_wrong_columns_are_refused_and_the_right_ones_offer
         read_curve(path)
     chosen = [int(n) for n in offer.split(",")]
     assert points(path, columns=chosen) == pytest.approx(WAVE, abs=1e-12)
+
+
+def driven(kind, spacing, digits):
+    """Columns of a drive round a bean or along a slalom: x, y, speed, heading, the steps even or timed."""
+    part = np.linspace(0.0, 1.0, 3001)
+    angle = 2.0 * np.pi * part
+    radius = 30.0 + 6.0 * np.sin(3.0 * angle + 1.0)
+    x, y = (
+        (radius * np.cos(angle), radius * np.sin(angle))
+        if kind == "bean"
+        else (2.0 * np.sin(12.0 * part), 40.0 * part)
+    )
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    at = np.linspace(0.0, 1.0, 150)
+    speed = 1.5 + 0.8 * np.sin(4.0 * np.pi * at + 0.3)
+    if spacing == "timed":
+        at = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    place = at / at[-1] * way[-1]
+    x, y = np.interp(place, way, x), np.interp(place, way, y)
+    heading = np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
+    named = {"x": x, "y": y, "v": speed, "h": heading}
+    return {name: np.round(column, digits) for name, column in named.items()}
+
+
+@given(
+    kind=st.sampled_from(["bean", "slalom"]),
+    spacing=st.sampled_from(["even", "timed"]),
+    digits=st.integers(3, 6),
+    order=st.sampled_from(["vxy", "vxyh", "vhxy"]),
+)
+def test_a_speed_before_x_and_y_is_not_taken_as_x(tmp_path_factory, kind, spacing, digits, order):
+    columns = driven(kind, spacing, digits)
+    table = np.stack([columns[name] for name in order], axis=1)
+    path = tmp_path_factory.mktemp("table") / "drive.csv"
+    np.savetxt(path, table, fmt="%.6f", delimiter=",")
+    pair = order.index("x") + 1, order.index("y") + 1
+    with pytest.raises(InvalidInput, match=f"--columns {pair[0]},{pair[1]}"):
+        read_file(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert points(path, columns=pair)[:9] == pytest.approx(
+            np.stack([columns["x"], columns["y"]], axis=1)[:9], abs=1e-9
+        )
+
+
+@given(
+    kind=st.sampled_from(["bean", "slalom"]),
+    spacing=st.sampled_from(["even", "timed"]),
+    rest=st.sampled_from(["v", "h", "hv", "0", "w", "ww"]),
+)
+def test_x_and_y_first_are_read_whatever_follows(tmp_path_factory, kind, spacing, rest):
+    columns = driven(kind, spacing, 4)
+    columns |= {"0": np.zeros(150), "w": 1.1 + 0.1 * np.sin(np.arange(150) / 9.0)}
+    table = np.stack([columns[name] for name in "xy" + rest], axis=1)
+    path = tmp_path_factory.mktemp("table") / "drive.csv"
+    np.savetxt(path, table, fmt="%.6f", delimiter=",")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert points(path)[:9] == pytest.approx(table[:9, :2], abs=1e-9)
+
+
+@pytest.mark.parametrize("first", [lambda x: np.sin(x), lambda x: np.round(np.cos(x / 3)), abs])
+def test_where_both_pairs_may_be_the_path_it_is_said(tmp_path, first):
+    text = "".join(f"{first(6 - x):.4f},{x},{y}\n" for x, y in WAVE)
+    with pytest.warns(UserWarning, match="may be x and y as well; if they are, say --columns 2,3"):
+        read_file(written(tmp_path, "t.csv", text))
 
 
 def test_a_header_out_of_place_is_pointed_out(tmp_path):
@@ -207,7 +305,9 @@ def test_the_length_of_the_way_is_no_x(tmp_path):
         ("x,y\n1,1\n1,1\n", "two different points"),
         ("x,0,1,2\ny,0,1,0\n", "rows are x, y; write one point a line"),
         ("(0, 0)\n(1, 2)\n", "line 1.*brackets around"),
-        ("'0','0'\n'1','2'\n", "no two columns of numbers"),
+        ("'0,5','1'\n'1,5','2'\n", "has no two columns of numbers"),
+        ("x,y\n0,0\n1,'2\n2,3\n", "line 3.*cell 2 is \"'2\", no number"),
+        ("x,y\n0,0\n1,2 remark\n2,3\n", "line 3.*cell 2 is '2 remark', no number"),
         ("x|y\n---|---\n1|2\n", "line 2.*cell 1 is '---', no number"),
     ],
 )  # fmt: skip

@@ -6,11 +6,18 @@ from typing import NamedTuple
 import numpy as np
 
 from osculate.curve.files import names as nm
+from osculate.curve.files.alternatives import (
+    better_pair,
+    column_of,
+    flat,
+    heading_fits,
+    pair_doubt,
+    say,
+)
 from osculate.curve.files.found import Array, Choice, refuse
 from osculate.curve.files.names import Name, parse_name
 
 EPOCH = 1e8  # s; numbers above it that only grow are times
-FLAT = 1e-9  # of its size: a column that varies less is constant
 SHOWN = 12  # names in a message
 
 
@@ -115,31 +122,26 @@ def by_content(numbers: Sequence[Array | None], label: str) -> Columns:
         label: The file, for messages.
 
     Raises:
-        InvalidInput: Fewer than two columns of numbers, or the first one counts, is a time or is constant.
+        InvalidInput: Fewer than two columns of numbers, the first one counts, is a time or is constant,
+            or others fit a path better.
     """
     able = [n for n, column in enumerate(numbers) if column is not None]
     if len(able) < 2:
         raise refuse(label, "has no two columns of numbers: it is no path")
     x, y = able[0], able[1]
-    if len(able) == 2 or len(_column(numbers, x)) < 3:
-        if _is_time(_column(numbers, x)) and len(able) == 2:
+    if len(able) == 2 or len(column_of(numbers, x)) < 3:
+        if _is_time(column_of(numbers, x)) and len(able) == 2:
             raise refuse(
                 label, f"column {x + 1} looks like a time, and there is one other: no path"
             )
-        counts = len(_column(numbers, y)) > 2 and _counts(_column(numbers, y))
+        counts = len(column_of(numbers, y)) > 2 and _counts(column_of(numbers, y))
         said = (f"column {y + 1}, which is taken as y, counts; is it one?",) if counts else ()
         return Columns(x, y, units="m (no header)", warnings=said)
-    for looks in (_matrices, _quaternion, _parameter, _constant):
+    for looks in (_matrices, _quaternion, _parameter, _constant, better_pair):
         problem = looks(numbers, able)
         if problem:
             raise refuse(label, problem)
     return Columns(x, y, units="m (no header)", warnings=_doubts(numbers, able))
-
-
-def _column(numbers: Sequence[Array | None], n: int) -> Array:
-    column = numbers[n]
-    assert column is not None
-    return column
 
 
 def _is_time(column: Array) -> bool:
@@ -157,18 +159,10 @@ def _counts(column: Array) -> bool:
     return bool((np.diff(column) == 1.0).all() and column[0] in (0.0, 1.0))
 
 
-def _flat(column: Array) -> bool:
-    return bool(np.ptp(column) <= FLAT * max(1.0, float(np.abs(column).max())))
-
-
-def _say(x: int, y: int) -> str:
-    return f"say --columns {x + 1},{y + 1}"
-
-
 def _quaternion(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     """Four columns side by side of length 1 are an orientation; the position is before it."""
     for n in range(len(able) - 3):
-        four = [_column(numbers, able[n + k]) for k in range(4)]
+        four = [column_of(numbers, able[n + k]) for k in range(4)]
         norm = np.sqrt(sum(c * c for c in four))
         if np.abs(norm - 1.0).max() < 2e-3 and max(np.abs(c).max() for c in four) <= 1.002:
             first, last = able[n] + 1, able[n + 3] + 1
@@ -177,7 +171,7 @@ def _quaternion(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
             x, y = (able[n - 3], able[n - 2]) if n > 2 else (able[0], able[1])
             if (x, y) != (able[0], able[1]):
                 return (
-                    f"columns {first} to {last} look like a quaternion behind x, y, z; {_say(x, y)}"
+                    f"columns {first} to {last} look like a quaternion behind x, y, z; {say(x, y)}"
                 )
             return ""
     return ""
@@ -187,84 +181,69 @@ def _matrices(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     """Twelve columns may be poses as the rows of 3 × 4 matrices (KITTI)."""
     if len(able) != 12:
         return ""
-    table = np.stack([_column(numbers, n) for n in able], axis=1).reshape(-1, 3, 4)
+    table = np.stack([column_of(numbers, n) for n in able], axis=1).reshape(-1, 3, 4)
     turned = table[:, :, :3]
     error = np.abs(turned @ np.swapaxes(turned, 1, 2) - np.eye(3)).max()
     if error > 1e-2:
         return ""
     across = 7 if np.ptp(table[:, 1, 3]) >= np.ptp(table[:, 2, 3]) else 11
-    return f"the rows look like 3 × 4 pose matrices (KITTI); {_say(3, across)}"
+    return f"the rows look like 3 × 4 pose matrices (KITTI); {say(3, across)}"
 
 
 def _parameter(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
     """A first column that counts, is a time, or is the length of the way along the next two."""
     first, x, y = able[0], able[1], able[2]
-    t, a, b = (_column(numbers, n) for n in (first, x, y))
-    if _flat(a) and _flat(b):
+    t, a, b = (column_of(numbers, n) for n in (first, x, y))
+    if flat(a) and flat(b):
         return ""
     if _is_time(t):
         rest = able[2:4] if len(able) > 3 and _nanoseconds(a) else (x, y)
-        return f"column {first + 1} looks like a time; {_say(*rest)}"
+        return f"column {first + 1} looks like a time; {say(*rest)}"
     if _is_time(a):
-        return f"column {x + 1} looks like a time; {_say(first, y)}"
-    if _heading_fits(numbers, able, t, a):
+        return f"column {x + 1} looks like a time; {say(first, y)}"
+    if heading_fits(numbers, able, t, a):
         return ""
-    if _counts(t) and not _flat(a) and not _flat(b):
-        return f"column {first + 1} counts {t[0]:g}, {t[1]:g}, {t[2]:g}, …; {_say(x, y)}"
+    if _counts(t) and not flat(a) and not flat(b):
+        return f"column {first + 1} counts {t[0]:g}, {t[1]:g}, {t[2]:g}, …; {say(x, y)}"
     step, chord = np.diff(t), np.hypot(np.diff(a), np.diff(b))
     along = bool((step > 0).all() and np.abs(chord - step).max() <= 0.02 * step.mean())
-    if along and not _flat(a) and not _flat(b):
-        return f"column {first + 1} is the length of the way along the next two; {_say(x, y)}"
-    if not _flat(t) and _heading_fits(numbers, (x, y, first), a, b):
-        return f"column {first + 1} is the heading of the way along the next two; {_say(x, y)}"
+    if along and not flat(a) and not flat(b):
+        return f"column {first + 1} is the length of the way along the next two; {say(x, y)}"
+    if not (flat(t) or flat(a) or flat(b)) and heading_fits(numbers, (x, y, first), a, b):
+        return f"column {first + 1} is the heading of the way along the next two; {say(x, y)}"
     return ""
 
 
-def _heading_fits(numbers: Sequence[Array | None], able: Sequence[int], x: Array, y: Array) -> bool:
-    """Whether some other column is the direction of the steps (rad or degrees)."""
-    direction = np.arctan2(np.diff(y), np.diff(x))
-    for n in able[2:]:
-        for unit in (1.0, np.pi / 180.0):
-            heading = _column(numbers, n) * unit
-            if _flat(heading):
-                continue
-            middle = 0.5 * (np.unwrap(heading)[1:] + np.unwrap(heading)[:-1])
-            for given in (middle, heading[:-1], heading[1:]):
-                apart = np.abs(np.angle(np.exp(1j * (given - direction))))
-                if np.median(apart) < 0.03 and np.percentile(apart, 90) < 0.15:
-                    return True
-    return False
-
-
 def _constant(numbers: Sequence[Array | None], able: Sequence[int]) -> str:
-    first, second, third = (_column(numbers, n) for n in able[:3])
-    if _flat(third) or (_flat(first) and _flat(second)):
+    first, second, third = (column_of(numbers, n) for n in able[:3])
+    if flat(third) or (flat(first) and flat(second)):
         return ""
-    if _flat(second):
+    if flat(second):
         return (
             f"column {able[1] + 1} is {second[0]:g} everywhere; if it is the height, "
-            f"{_say(able[0], able[2])}, else {_say(able[0], able[1])}"
+            f"{say(able[0], able[2])}, else {say(able[0], able[1])}"
         )
-    if _flat(first):
+    if flat(first):
         return (
-            f"column {able[0] + 1} is {first[0]:g} everywhere; {_say(able[1], able[2])}, "
-            f"or {_say(able[0], able[1])} if it is x"
+            f"column {able[0] + 1} is {first[0]:g} everywhere; {say(able[1], able[2])}, "
+            f"or {say(able[0], able[1])} if it is x"
         )
     return ""
 
 
 def _doubts(numbers: Sequence[Array | None], able: Sequence[int]) -> tuple[str, ...]:
     """What is taken as x although it may be a time."""
-    t, a, b = (_column(numbers, n) for n in able[:3])
+    t, a, b = (column_of(numbers, n) for n in able[:3])
     x, y = able[1], able[2]
-    if _counts(t) and not (_flat(a) and _flat(b)):
-        return (f"column {able[0] + 1}, which is taken as x, counts; if it does, {_say(x, y)}",)
+    if _counts(t) and not (flat(a) and flat(b)):
+        return (f"column {able[0] + 1}, which is taken as x, counts; if it does, {say(x, y)}",)
     if _counts(a):
         return (f"column {x + 1}, which is taken as y, counts; is it one?",)
-    if (np.diff(t) <= 0).any() or _flat(a) or _flat(b) or _heading_fits(numbers, able, t, a):
-        return ()
+    if (np.diff(t) <= 0).any() or flat(a) or flat(b) or heading_fits(numbers, able, t, a):
+        doubt = pair_doubt(numbers, able)
+        return (doubt,) if doubt else ()
     return (
-        f"column {able[0] + 1}, which is taken as x, grows all the way; if it is a time, {_say(x, y)}",
+        f"column {able[0] + 1}, which is taken as x, grows all the way; if it is a time, {say(x, y)}",
     )
 
 

@@ -13,6 +13,9 @@ from osculate.curve.files.header import COMMA_NUMBER, Cells, Row, take_header
 from osculate.curve.files.numbers import is_number
 
 COMMENT = ("#", "%", "//")
+REMARK = re.compile(r"(?<=[\d.']) +(?:#|%|//)(?:\s.*|[^\s\d].*)?$")  # behind numbers; #1 is a name
+HEADER_REMARK = re.compile(r"(?<=\S) +# +\w[^,;\t|]*$")  # behind names
+QUOTED = re.compile(r"'([^']*)'")
 SNIFFED = 30  # lines the delimiter is told from
 DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ": "spaces"}
 
@@ -43,6 +46,7 @@ def read_sheet(text: str, label: str) -> Sheet:
     body = [(n, line) for n, line in numbered if not line.startswith(COMMENT)]
     if not body:
         raise refuse(label, "must hold lines with x and y (m); it holds none")
+    body = _without_remarks(body)
     _refuse_brackets(body[0], label)
     delimiter = forced or _delimiter([line for _, line in body[:SNIFFED]])
     if delimiter not in DELIMITERS:
@@ -56,6 +60,18 @@ def read_sheet(text: str, label: str) -> Sheet:
     rows, commas = _decimal_commas(rows, delimiter, label)
     rows, more = _even(header, rows, label)
     return Sheet(header, rows, delimiter, commas, (*warnings, *more))
+
+
+def _without_remarks(body: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Lines without a comment behind their numbers, or behind the names of the first one."""
+    bare = [
+        (n, REMARK.sub("", line) if '"' not in line and any(c in line for c in COMMENT) else line)
+        for n, line in body
+    ]
+    first, line = bare[0]
+    if '"' not in line and any(sign in line for sign in ",;\t|"):
+        bare[0] = first, HEADER_REMARK.sub("", line)
+    return bare
 
 
 def _refuse_brackets(first: tuple[int, str], label: str) -> None:
@@ -92,7 +108,16 @@ def _cells(
                 raise refuse(label, f"has quotes that do not fit ({error})", f"line {n}") from None
         else:
             cells = line.split() if delimiter == " " else line.split(delimiter)
-        yield n, [cell.strip() for cell in cells]
+        cells = [cell.strip() for cell in cells]
+        yield n, [_unquoted(cell, delimiter) for cell in cells] if "'" in line else cells
+
+
+def _unquoted(cell: str, delimiter: str) -> str:
+    """A number without its single quotes; anything else as it is."""
+    inner = QUOTED.fullmatch(cell)
+    if inner and (is_number(inner[1]) or (delimiter != "," and COMMA_NUMBER.fullmatch(inner[1]))):
+        return inner[1]
+    return cell
 
 
 def _decimal_commas(rows: list[Row], delimiter: str, label: str) -> tuple[list[Row], bool]:
