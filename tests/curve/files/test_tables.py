@@ -259,6 +259,31 @@ def test_where_both_pairs_may_be_the_path_it_is_said(tmp_path, first):
         read_file(written(tmp_path, "t.csv", text))
 
 
+NOISE = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 49))
+
+
+@pytest.mark.parametrize(
+    ("first", "along"), [(3.0 * NOISE[0], 0.1), (NOISE[0].cumsum(), 0.03)], ids=["rougher", "evener"]
+)  # fmt: skip
+def test_noise_before_x_and_y_is_doubted(tmp_path, first, along):
+    x, y = WAVE.T + along * NOISE[1:]
+    np.savetxt(tmp_path / "t.csv", np.stack([first, x, y], axis=1), delimiter=",")
+    with pytest.warns(UserWarning, match="may be x and y as well; if they are, say --columns 2,3"):
+        read_file(tmp_path / "t.csv", tolerance=5.0)
+
+
+def test_a_time_or_widths_behind_x_and_y_raise_no_doubt(tmp_path):
+    at = np.linspace(0.0, 1.0, 49)
+    angle = 5.0 * (at + 0.1 * np.sin(6.0 * at))
+    x, y = 0.2 * np.cos(angle), 0.02 * np.sin(angle)
+    columns = driven("bean", "timed", 4)
+    widths = [1.1 + 0.1 * np.sin(np.arange(150) / k) for k in (30.0, 31.0)]
+    for table in ((x, y, 10.0 * at), (columns["x"], columns["y"], *widths)):
+        np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), fmt="%.6f", delimiter=",")
+        reading = read_file(tmp_path / "t.csv")
+        assert not any("as well" in said for said in reading.warnings)
+
+
 def test_a_header_out_of_place_is_pointed_out(tmp_path):
     for text in ("# y_refx_ref|kappa|time\n0|1|2|5\n1|0|5|5\n0|3|1|5\n", "0,1\n# y,x\n1,0\n0,3\n"):
         with pytest.warns(UserWarning, match="may be a header, but"):
