@@ -262,14 +262,21 @@ def test_where_both_pairs_may_be_the_path_it_is_said(tmp_path, first):
 NOISE = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 49))
 
 
+ANGLE = 0.1 * (np.arange(49) + 0.05 * NOISE[0])
+
+
 @pytest.mark.parametrize(
-    ("first", "along"), [(3.0 * NOISE[0], 0.1), (NOISE[0].cumsum(), 0.03)], ids=["rougher", "evener"]
-)  # fmt: skip
-def test_noise_before_x_and_y_is_doubted(tmp_path, first, along):
-    x, y = WAVE.T + along * NOISE[1:]
-    np.savetxt(tmp_path / "t.csv", np.stack([first, x, y], axis=1), delimiter=",")
+    "table",
+    [
+        (0.3 * (-1.0) ** np.arange(49), X + 0.1 * NOISE[0], WAVE[:, 1]),
+        (0.4 * np.sin(ANGLE), np.cos(ANGLE), np.sin(ANGLE)),
+    ],
+    ids=["rougher", "less even"],
+)
+def test_a_rough_or_uneven_column_before_x_and_y_is_doubted(tmp_path, table):
+    np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), delimiter=",")
     with pytest.warns(UserWarning, match="may be x and y as well; if they are, say --columns 2,3"):
-        read_file(tmp_path / "t.csv", tolerance=5.0)
+        read_file(tmp_path / "t.csv", tolerance=1.0)
 
 
 def test_a_time_or_widths_behind_x_and_y_raise_no_doubt(tmp_path):
@@ -277,7 +284,8 @@ def test_a_time_or_widths_behind_x_and_y_raise_no_doubt(tmp_path):
     angle = 5.0 * (at + 0.1 * np.sin(6.0 * at))
     x, y = 0.2 * np.cos(angle), 0.02 * np.sin(angle)
     columns = driven("bean", "timed", 4)
-    widths = [1.1 + 0.1 * np.sin(np.arange(150) / k) for k in (30.0, 31.0)]
+    part = np.linspace(0.0, 1.0, 150)
+    widths = 1.1 + 0.1 * np.sin(10.0 * part), 1.1 + 0.05 * np.cos(15.0 * part)
     for table in ((x, y, 10.0 * at), (columns["x"], columns["y"], *widths)):
         np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), fmt="%.6f", delimiter=",")
         reading = read_file(tmp_path / "t.csv")
