@@ -269,7 +269,7 @@ ANGLE = 0.1 * (np.arange(49) + 0.05 * NOISE[0])
     "table",
     [
         (0.3 * (-1.0) ** np.arange(49), X + 0.1 * NOISE[0], WAVE[:, 1]),
-        (0.4 * np.sin(ANGLE), np.cos(ANGLE), np.sin(ANGLE)),
+        (0.6 * np.sin(ANGLE), np.cos(ANGLE), np.sin(ANGLE)),
     ],
     ids=["rougher", "less even"],
 )
@@ -283,10 +283,10 @@ def test_a_time_or_widths_behind_x_and_y_raise_no_doubt(tmp_path):
     at = np.linspace(0.0, 1.0, 49)
     angle = 5.0 * (at + 0.1 * np.sin(6.0 * at))
     x, y = 0.2 * np.cos(angle), 0.02 * np.sin(angle)
-    columns = driven("bean", "timed", 4)
+    ring = np.sort(np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, 150))
     part = np.linspace(0.0, 1.0, 150)
     widths = 1.1 + 0.1 * np.sin(10.0 * part), 1.1 + 0.05 * np.cos(15.0 * part)
-    for table in ((x, y, 10.0 * at), (columns["x"], columns["y"], *widths)):
+    for table in ((x, y, 10.0 * at), (30.0 * np.cos(ring), 20.0 * np.sin(ring), *widths)):
         np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), fmt="%.6f", delimiter=",")
         reading = read_file(tmp_path / "t.csv")
         assert not any("as well" in said for said in reading.warnings)
