@@ -259,6 +259,39 @@ def test_where_both_pairs_may_be_the_path_it_is_said(tmp_path, first):
         read_file(written(tmp_path, "t.csv", text))
 
 
+NOISE = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 49))
+
+
+ANGLE = 0.1 * (np.arange(49) + 0.05 * NOISE[0])
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        (0.3 * (-1.0) ** np.arange(49), X + 0.1 * NOISE[0], WAVE[:, 1]),
+        (0.6 * np.sin(ANGLE), np.cos(ANGLE), np.sin(ANGLE)),
+    ],
+    ids=["rougher", "less even"],
+)
+def test_a_rough_or_uneven_column_before_x_and_y_is_doubted(tmp_path, table):
+    np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), delimiter=",")
+    with pytest.warns(UserWarning, match="may be x and y as well; if they are, say --columns 2,3"):
+        read_file(tmp_path / "t.csv", tolerance=1.0)
+
+
+def test_a_time_or_widths_behind_x_and_y_raise_no_doubt(tmp_path):
+    at = np.linspace(0.0, 1.0, 49)
+    angle = 5.0 * (at + 0.1 * np.sin(6.0 * at))
+    x, y = 0.2 * np.cos(angle), 0.02 * np.sin(angle)
+    ring = np.sort(np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, 150))
+    part = np.linspace(0.0, 1.0, 150)
+    widths = 1.1 + 0.1 * np.sin(10.0 * part), 1.1 + 0.05 * np.cos(15.0 * part)
+    for table in ((x, y, 10.0 * at), (30.0 * np.cos(ring), 20.0 * np.sin(ring), *widths)):
+        np.savetxt(tmp_path / "t.csv", np.stack(table, axis=1), fmt="%.6f", delimiter=",")
+        reading = read_file(tmp_path / "t.csv")
+        assert not any("as well" in said for said in reading.warnings)
+
+
 def test_a_header_out_of_place_is_pointed_out(tmp_path):
     for text in ("# y_refx_ref|kappa|time\n0|1|2|5\n1|0|5|5\n0|3|1|5\n", "0,1\n# y,x\n1,0\n0,3\n"):
         with pytest.warns(UserWarning, match="may be a header, but"):
