@@ -14,7 +14,7 @@ from osculate.control.contract import Start
 from osculate.control.estimation.ekf import Ekf
 from osculate.control.pilot import PilotPart, pilot_part
 from osculate.control.reasons import ARRIVED, WAITING, Alarm, explain
-from osculate.control.safety import Safety, reserve_of
+from osculate.control.safety import Safety, foresee
 from osculate.control.tracking.contract import PathTracker, TrackingMemory, survey
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
@@ -77,9 +77,10 @@ class Stepper:
             )
         tables = Tables()
         task = (curve, robot or Tricycle(), limits or Limits(), period, slots)
-        self._road, self.plan = survey(*task, tables, reserve_of(safety, *task))
+        foreseen, ceiling = foresee(safety, *task)
+        self._road, self.plan = survey(*task, tables, ceiling)
         self._law, self._curve, self._estimator, self._safety = law, curve, estimator, safety
-        self.caution = safety.foresee(*task).caution(self.plan) if safety else None
+        self.caution = foreseen.caution(self.plan) if foreseen else None
         self.length, self.table = curve.length, self._road.curve
         part = self._part(motion, progress)
         self._like: Any = part.memory

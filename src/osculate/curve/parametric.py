@@ -5,14 +5,14 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from osculate.curve.arclength import ArcLength
-from osculate.curve.contract import Curve, CurvePoint
 from osculate.curve.formula import Formula
 from osculate.curve.pieces import Pieces, nodes_of
+from osculate.curve.sampled import Sampled
 from osculate.errors import InvalidInput, NoSolution
 from osculate.spec import quantity
 
@@ -23,7 +23,7 @@ TOLERANCE = 1e-13  # relative size of the last coefficients of a resolved functi
 MOST_PIECES = 1024
 
 
-class Parametric(Curve):
+class Parametric(Sampled):
     """A curve (x(p), y(p)) for p from ``start`` to ``end``.
 
     Formulas are strings in ``p``: ``"3 * cos(p)"``, with + - * / ** and the functions listed in
@@ -108,20 +108,6 @@ class Parametric(Curve):
         if isinstance(given, str):
             return Formula(name, given)
         return _resolve(name, given, self.start, self.end)
-
-    @property
-    def length(self) -> float:
-        """See `Curve.length`."""
-        return self._arc.length
-
-    @property
-    def tight_places(self) -> Array:
-        """See `Curve.tight_places`."""
-        return self._arc.tight_places()
-
-    def at(self, arc_length: ArrayLike) -> CurvePoint:
-        """See `Curve.at`."""
-        return self._arc.at(arc_length)
 
 
 def _resolve(name: str, function: Callable[[float], float], start: float, end: float) -> Pieces:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from osculate.control import Controller, ControlPart, CurvatureLaw, Ekf, Errors, Safety, Start
 from osculate.control.pilot import Insight, PilotPart, no_insight, no_stop, pilot_part
-from osculate.control.safety import reserve_of
+from osculate.control.safety import foresee
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.contract import Road, survey
 from osculate.control.tracking.external import Decide, ExternalTracker
@@ -269,7 +269,8 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     curve = setup.curve
     delay = round(clock.delay / clock.period)
     task = (curve, setup.robot, setup.limits, clock.period, delay)
-    road, plan = survey(*task, tables, reserve_of(setup.safety, *task))
+    foreseen, ceiling = foresee(setup.safety, *task)
+    road, plan = survey(*task, tables, ceiling)
     start = setup.initial.on(curve)
     pilot = make_pilot(setup, road, start)
     parts = {
@@ -281,9 +282,8 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
-    if setup.safety is not None:
-        caution = setup.safety.foresee(*task).caution(plan)
-        loop = replace(loop, caution=caution)
+    if foreseen is not None:
+        loop = replace(loop, caution=foreseen.caution(plan))
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator, model_validator
 
 from osculate.control import CurvatureLaw, Ekf, Safety
-from osculate.control.safety import reserve_of
+from osculate.control.safety import foresee
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.curve.files.documents import load_yaml
@@ -109,12 +109,10 @@ class Scenario(Spec):
         """
         if self.safety is None or not isinstance(self.clock, Sampled):
             return None
-        clock = self.clock
-        delay = round(clock.delay / clock.period)
+        period = self.clock.period
         task = (self.curve, self.robot, self.limits)
-        timing = (clock.period, delay)
-        ceiling = reserve_of(self.safety, *task, *timing)
-        return self.safety.foresee(*task, *timing).caution(plan_speed(*task, ceiling))
+        foreseen, ceiling = foresee(self.safety, *task, period, round(self.clock.delay / period))
+        return foreseen.caution(plan_speed(*task, ceiling)) if foreseen else None
 
     def run(self, report: Report | None = None) -> Run:
         """Simulate it once."""

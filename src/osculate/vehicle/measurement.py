@@ -8,6 +8,10 @@ infinite or impossible counts as missing. How long each sensor may be missing is
 import math
 from typing import NamedTuple
 
+FARTHEST = 1e8  # m: no map is larger, not even in UTM coordinates
+TURNS = 1e4  # rad, of a heading that is not wrapped
+FASTEST = 100.0  # m/s and rad/s: nothing that rolls is faster
+
 
 class Fix(NamedTuple):
     """A pose measured from outside: laser, camera, tags.

@@ -413,3 +413,14 @@ def test_real_tables_are_read_right_or_refused(shared_data):
     with pytest.raises(InvalidInput, match="looks like a time"):
         read_curve(shared_data / "logs" / "tricycle.txt")
     assert read_file(folder / "mpcc_track.json").curve.length == pytest.approx(17.85, abs=0.01)
+
+
+def test_a_speed_in_steps_before_x_and_y_is_told(tmp_path):
+    """A set speed stays for many rows and jumps; nothing else speaks for the other two columns."""
+    p = np.linspace(0.0, 4.0, 200)
+    speed = np.where(p < 1.3, 0.5, np.where(p < 2.9, 1.5, 1.0))
+    rows = np.stack([speed, p + 0.05 * p**2, 0.3 * np.sin(1.7 * p)], axis=1)
+    path = tmp_path / "drive.csv"
+    np.savetxt(path, rows, delimiter=",", fmt="%.6f")
+    with pytest.warns(UserWarning, match="--columns 2,3"):
+        read_file(path)

@@ -14,11 +14,8 @@ from typing import Any, NamedTuple
 from osculate.control.estimation.kinematics import Kinematics
 from osculate.kernel import finite_sum, kernel
 from osculate.kernel.maths import PI, atan
-from osculate.vehicle.measurement import Fix, Measurement
+from osculate.vehicle.measurement import FARTHEST, FASTEST, TURNS, Fix, Measurement
 
-FARTHEST = 1e8  # m: no map is larger, not even in UTM coordinates
-TURNS = 1e4  # rad, of a heading that is not wrapped
-FASTEST = 100.0  # m/s and rad/s
 ROLLING = 0.2  # m/s, from which on a yaw rate says something about the steering
 STANDING = 0.05  # m, that a robot may move while the same pose is reported again
 

@@ -20,7 +20,7 @@ from osculate.control.safety.guard import (
 )
 from osculate.control.safety.obedience import ObedienceMemory, ObedienceParameters
 from osculate.control.safety.reserve import StuckSteering, foresee_stuck_steering
-from osculate.control.safety.watch import UNSEEN, WatchParameters
+from osculate.control.safety.watch import SETTLING, UNSEEN, WatchParameters
 from osculate.control.tracking.contract import GuardPart, Road, stop_deceleration
 from osculate.curve.contract import Curve
 from osculate.spec import Spec, quantity
@@ -29,9 +29,8 @@ from osculate.vehicle.actuators import Steering
 from osculate.vehicle.motion import Motion
 from osculate.vehicle.tricycle import Tricycle
 
-__all__ = ["CAUSES", "REASONS", "Safety", "explain", "reserve_of"]
+__all__ = ["CAUSES", "REASONS", "Safety", "explain", "foresee"]
 
-SETTLING = 0.1  # s, over which the watch takes its means
 SERVO_NOISE = 5e-3  # rad, that a standing servo's encoder seems to move
 STUCK = 0.1  # s, for which a servo may not move: longer than a delay that nobody knows
 
@@ -128,10 +127,11 @@ class Safety(Spec):
         return (delay + 1.0) * period + lag
 
 
-def reserve_of(
+def foresee(
     safety: Safety | None, curve: Curve, robot: Tricycle, limits: Limits, period: float, delay: int
-) -> Ceiling | None:
-    """The limit that a safety layer adds to the speed plan, if it keeps a reserve; see `Safety.foresee`."""
-    if safety is None or safety.reserve is None:
-        return None
-    return safety.foresee(curve, robot, limits, period, delay).ceiling
+) -> tuple[StuckSteering | None, Ceiling | None]:
+    """What a safety layer foresees (`Safety.foresee`), and the limit that adds to the speed plan."""
+    if safety is None:
+        return None, None
+    foreseen = safety.foresee(curve, robot, limits, period, delay)
+    return foreseen, foreseen.ceiling if safety.reserve else None

@@ -9,14 +9,11 @@ from osculate.control.estimation.contract import Evidence, Sight
 from osculate.control.tracking.contract import TrackingMemory, TrackingParameters
 from osculate.kernel import kernel, select
 from osculate.kernel.maths import PI
+from osculate.vehicle.measurement import FARTHEST, FASTEST, TURNS
 from osculate.vehicle.motion import Motion
 
 if TYPE_CHECKING:  # part, bound by `compose`
     from osculate.control.templates.tracking import track
-
-FARTHEST = 1e8  # m: no map is larger, not even in UTM coordinates
-TURNS = 1e4  # rad, of a heading that is not wrapped
-FASTEST = 100.0  # m/s and rad/s
 
 
 @kernel
