@@ -165,7 +165,7 @@ def _arguments(given: list[str]) -> argparse.Namespace:
     parser.add_argument("--controllers", default="", help="by commas; all by default")
     parser.add_argument("--curves", default="", help="by commas; all by default")
     parser.add_argument("--speeds", default="0.5,1,2", help="m/s, by commas")
-    parser.add_argument("--draws", type=int, default=2, help="of noisy runs; in MuJoCo always 1")
+    parser.add_argument("--draws", type=int, default=5, help="of noisy runs; in MuJoCo always 1")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--pages", type=Path, default=ROOT, help="folder of README.md and docs")
     parser.add_argument("--cells", type=Path, default=ROOT / "build" / "tables")

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from osculate import Ekf
 from osculate.control.contract import Start
-from osculate.control.estimation import ekf, gates
-from osculate.control.estimation.ekf import Place
+from osculate.control.estimation import gates, readings
+from osculate.control.estimation.belief import Place
 from osculate.control.estimation.gates import UNHEARD, GateMemory
-from osculate.control.estimation.kinematics import ZERO
+from osculate.control.estimation.kinematics import ZERO, Covariance
 from osculate.control.safety import watch
 from osculate.control.safety.watch import UNSEEN
 from osculate.kernel.trace import plain
@@ -224,13 +224,13 @@ def test_a_pose_fits_up_to_five_deviations_on_every_axis(robot, axis, spread, si
     p = P[robot]
     own = {"x": p.position, "y": p.position, "heading": p.heading}[axis]
     rows = ZERO._replace(**{axis: spread * own})
-    covariance = ekf.Covariance(*(rows if name == axis else ZERO for name in ZERO._fields))
+    covariance = Covariance(*(rows if name == axis else ZERO for name in ZERO._fields))
     border = 5.0 * math.sqrt((1.0 + spread) * own)
     for part, right in ((0.999, True), (1.001, False)):
         off = Place(0.0, 0.0, 0.0)._replace(**{axis: side * part * border})
-        assert plain(ekf.fits)(off, covariance, p) is right
+        assert plain(readings.fits)(off, covariance, p) is right
     off = Place(0.0, 0.0, 0.0)._replace(**{axis: math.nan})
-    assert not plain(ekf.fits)(off, covariance, p)
+    assert not plain(readings.fits)(off, covariance, p)
 
 
 @given(robot=robots, way=st.floats(0.0, 6.3), side=sides, x=coordinates, y=coordinates)
@@ -244,7 +244,7 @@ def test_two_poses_agree_within_the_noise_of_both(robot, way, side, x, y):
             x + part * reach * math.cos(way), y + part * reach * math.sin(way),
             before.heading + side * turned * turn + 2.0 * math.pi,
         )  # fmt: skip
-        return plain(ekf.agrees)(off, before, p)
+        return plain(readings.agrees)(off, before, p)
 
     assert agrees(0.999, 0.999)
     assert not agrees(1.001, 0.0)
