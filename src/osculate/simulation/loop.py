@@ -13,6 +13,7 @@ from osculate.control import Controller, ControlPart, CurvatureLaw, Ekf, Errors,
 from osculate.control.pilot import Insight, PilotPart, no_insight, no_stop, pilot_part
 from osculate.control.safety import foresee
 from osculate.control.tracking import PathTracker
+from osculate.control.tracking.arrival import rests_at_end
 from osculate.control.tracking.contract import Road, survey
 from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.curve import Curve, CurveTable, Pose, tabulate
@@ -277,7 +278,7 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "pace": Nothing(),
         "target": Nothing(),
         "finish": math.inf,
-        "path_end": curve.length,
+        "path_end": math.inf if rests_at_end(curve, setup.limits) else curve.length,
         "deadline": math.inf,
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}

@@ -59,8 +59,9 @@ class Limits(Spec):
         "m/s", "speed at the start; by default creeping, on closed curves free", default=None, ge=0
     )
     end_speed: float | None = quantity(
-        "m/s", "speed at the end; by default creeping, on closed curves free", default=None, ge=0
-    )
+        "m/s", "speed with which the end is passed; by default the robot comes to rest there, on closed "
+        "curves it is free", default=None, ge=0,
+    )  # fmt: skip
 
 
 class Ceiling(NamedTuple):
