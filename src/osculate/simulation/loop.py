@@ -13,7 +13,6 @@ from osculate.control import Controller, ControlPart, CurvatureLaw, Ekf, Errors,
 from osculate.control.pilot import Insight, PilotPart, no_insight, no_stop, pilot_part
 from osculate.control.safety import foresee
 from osculate.control.tracking import PathTracker
-from osculate.control.tracking.arrival import rests_at_end
 from osculate.control.tracking.contract import Road, survey
 from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.curve import Curve, CurveTable, Pose, tabulate
@@ -51,6 +50,7 @@ from osculate.simulation.records import (
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
 from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
+from osculate.target.speed import rests_at_end
 from osculate.vehicle import Command, Motion, Tricycle
 
 RECOVERABLE_HEADING = math.radians(100.0)

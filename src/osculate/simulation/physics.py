@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from osculate.control import Start, Stepper
 from osculate.control.pilot import Insight
 from osculate.control.tracking import PathTracker
-from osculate.control.tracking.arrival import rests_at_end
 from osculate.control.tracking.contract import foot_of
 from osculate.errors import InvalidInput
 from osculate.kernel import Nothing, compose, leaves, rebuild, zeros
@@ -41,6 +40,7 @@ from osculate.simulation.run import Run, clearance_of, stop_message
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
 from osculate.target import Reference
+from osculate.target.speed import rests_at_end
 from osculate.vehicle import Command, Motion
 from osculate.vehicle.measurement import NO_FIX, Measurement
 

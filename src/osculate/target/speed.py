@@ -64,6 +64,19 @@ class Limits(Spec):
     )  # fmt: skip
 
 
+def rests_at_end(curve: Curve, limits: Limits) -> bool:
+    """Whether the robot comes to rest at the end: of an open curve that it is not to pass with a speed."""
+    return not (curve.closed or limits.end_speed)
+
+
+def rest_deceleration(robot: Tricycle, limits: Limits) -> float:
+    """Deceleration (m/s²) with which a robot comes to rest at the end of a path.
+
+    Rolling resistance is not counted on: what it gives is left for a load that nobody knows.
+    """
+    return min(limits.deceleration, limits.torque * robot.motor_deceleration)
+
+
 class Ceiling(NamedTuple):
     """One more limit of the speed over arc length."""
 
@@ -188,6 +201,9 @@ def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
     if own is not None:
         caps["the curve's own speeds"] = own**2 / 2.0
     low = limits.creep**2 / 2.0
+    braking = rest_deceleration(robot, limits)
+    if rests_at_end(curve, limits) and braking < limits.deceleration:
+        caps["coming to rest"] = low + braking * (curve.length - s)
 
     def energy(given: float | None) -> float | None:
         if given is None:

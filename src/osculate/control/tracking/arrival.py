@@ -1,6 +1,6 @@
 """How a robot comes to rest at the end of an open path: its speed follows from the way that is left.
 
-With r the way left when a decision acts, b a deceleration that motors and plan have, and the time T,
+With r the way left when a decision acts, b the deceleration of the plan's end, and the time T,
 
     v = √(2 b (r − b T²/2))     while r > b T²,       v = r / T     after that,
 
@@ -17,13 +17,12 @@ from typing import NamedTuple
 
 from osculate.curve.contract import Curve
 from osculate.kernel import kernel
-from osculate.target.speed import Limits, SpeedPlan
+from osculate.target.speed import Limits, rest_deceleration, rests_at_end
 from osculate.vehicle.tricycle import Tricycle
 
 LEAST = 0.005  # m/s, with which the last fractions of a millimetre are driven
 SHORTEST = 0.1  # s, shortest T
 STEADY = 2.0  # T per time from a decision to its effect, at least
-LEAST_SHARE = 0.5  # of what task and motors allow, as the smallest b
 
 
 class ArrivalParameters(NamedTuple):
@@ -45,13 +44,8 @@ def arrival_speed(s: float, p: ArrivalParameters) -> float:
     return wanted if wanted > LEAST else LEAST
 
 
-def rests_at_end(curve: Curve, limits: Limits) -> bool:
-    """Whether the robot comes to rest at the end: of an open curve that it is not to pass with a speed."""
-    return not (curve.closed or limits.end_speed)
-
-
 def arrival_parameters(
-    curve: Curve, robot: Tricycle, limits: Limits, plan: SpeedPlan, ahead: float
+    curve: Curve, robot: Tricycle, limits: Limits, ahead: float
 ) -> ArrivalParameters:
     """The numbers for the kernels.
 
@@ -59,11 +53,7 @@ def arrival_parameters(
         curve: Where to drive.
         robot: What drives.
         limits: What the task allows.
-        plan: The speed over arc length.
         ahead: Time from a decision to its effect, motors included (s).
     """
-    allowed = min(limits.deceleration, limits.torque * robot.motor_deceleration)
-    planned = -float(plan.acceleration[-1])
     end = curve.length if rests_at_end(curve, limits) else math.inf
-    deceleration = max(planned, LEAST_SHARE * allowed)
-    return ArrivalParameters(end, deceleration, max(SHORTEST, STEADY * ahead))
+    return ArrivalParameters(end, rest_deceleration(robot, limits), max(SHORTEST, STEADY * ahead))

@@ -189,7 +189,7 @@ def survey(
     beyond = BEYOND + 2.0 * robot.wheelbase
     table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
     ahead = effect_time(robot, period, delay)
-    arrival = arrival_parameters(curve, robot, limits, plan, ahead)
+    arrival = arrival_parameters(curve, robot, limits, ahead)
     return Road(robot, table, profile, limits, arrival, period, delay), plan
 
 
