@@ -59,8 +59,22 @@ class Limits(Spec):
         "m/s", "speed at the start; by default creeping, on closed curves free", default=None, ge=0
     )
     end_speed: float | None = quantity(
-        "m/s", "speed at the end; by default creeping, on closed curves free", default=None, ge=0
-    )
+        "m/s", "speed with which the end is passed; by default the robot comes to rest there, on closed "
+        "curves it is free", default=None, ge=0,
+    )  # fmt: skip
+
+
+def rests_at_end(curve: Curve, limits: Limits) -> bool:
+    """Whether the robot comes to rest at the end: of an open curve that it is not to pass with a speed."""
+    return not (curve.closed or limits.end_speed)
+
+
+def rest_deceleration(robot: Tricycle, limits: Limits) -> float:
+    """Deceleration (m/s²) with which a robot comes to rest at the end of a path.
+
+    Rolling resistance is not counted on: what it gives is left for a load that nobody knows.
+    """
+    return min(limits.deceleration, limits.torque * robot.motor_deceleration)
 
 
 class Ceiling(NamedTuple):
@@ -187,6 +201,9 @@ def _problem(curve: Curve, robot: Tricycle, limits: Limits) -> _Problem:
     if own is not None:
         caps["the curve's own speeds"] = own**2 / 2.0
     low = limits.creep**2 / 2.0
+    braking = rest_deceleration(robot, limits)
+    if rests_at_end(curve, limits) and braking < limits.deceleration:
+        caps["coming to rest"] = low + braking * (curve.length - s)
 
     def energy(given: float | None) -> float | None:
         if given is None:
