@@ -83,8 +83,8 @@ if TYPE_CHECKING:
     from osculate.study.comparison import Condition as Condition
     from osculate.study.comparison import Tuning as Tuning
     from osculate.study.comparison import compare as compare
+    from osculate.study.comparison import paired_comparisons as paired_comparisons
     from osculate.study.comparison import tune as tune
-    from osculate.study.comparison import verdicts as verdicts
     from osculate.target import Dynamical as Dynamical
     from osculate.target import Exponential as Exponential
     from osculate.target import Limits as Limits
@@ -188,8 +188,8 @@ _ROOMS = {
         "Condition",
         "Tuning",
         "compare",
+        "paired_comparisons",
         "tune",
-        "verdicts",
     ),
     "target": (
         "Dynamical",

@@ -201,7 +201,7 @@ def curve(
         report = inspect_curve(chosen, named or own or vehicle_named("paper"), speed)
         told(1.0)
     _print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
-    out.print(report.verdict, style="none" if report.feasible else "bold red")
+    out.print(report.conclusion, style="none" if report.feasible else "bold red")
     if output:
         out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
     if not report.feasible:
@@ -268,8 +268,8 @@ def compare(
     from osculate.study.comparison import starts as known_starts
     from osculate.study.comparison import trackers_for
     from osculate.study.comparison.report import MEANING, OURS, ranking_table
+    from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
     from osculate.study.comparison.suite import conditions
-    from osculate.study.comparison.verdicts import condition_table, summary, verdicts
     from osculate.vehicle import vehicle_named
 
     body = vehicle_named(robot)
@@ -291,7 +291,7 @@ def compare(
     if len({cell["plant"] for cell in result.cells}) > 1 and OURS in result.controllers:
         _print_table(condition_table(result, OURS))
         out.print(MEANING, style="dim")
-        out.print(summary(verdicts(result, OURS)))
+        out.print(summary(paired_comparisons(result, OURS)))
     written = result.write(output)
     out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
 

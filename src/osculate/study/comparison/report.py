@@ -9,7 +9,7 @@ import numpy as np
 
 from osculate.simulation.plot import new_figure
 from osculate.study.comparison.compare import Comparison
-from osculate.study.comparison.verdicts import condition_table, summary, verdicts
+from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 
 OURS = "curvature-tracker"
 MEANING = (
@@ -101,7 +101,7 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
     )
     page = _PAGE.format(
         ranking=_table(ranking_table(comparison)),
-        verdicts=_verdicts(comparison),
+        significance=_significance(comparison),
         cells=_table(cell_table(comparison)),
         pictures=pictures,
     )
@@ -109,13 +109,13 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
     return path
 
 
-def _verdicts(comparison: Comparison) -> str:
+def _significance(comparison: Comparison) -> str:
     """The tracker of this package against the others, condition by condition."""
     kinds = {cell["plant"] for cell in comparison.cells}
     if OURS not in comparison.controllers or len(comparison.controllers) < 2 or len(kinds) < 2:
         return ""
-    found = verdicts(comparison, OURS)
-    items = "".join(f"<li>{html.escape(verdict.sentence)}</li>" for verdict in found)
+    found = paired_comparisons(comparison, OURS)
+    items = "".join(f"<li>{html.escape(pair.sentence)}</li>" for pair in found)
     return (
         f"<h2>Under every condition</h2><p>{html.escape(MEANING)}</p>"
         f'<div class="wide">{_table(condition_table(comparison, OURS))}</div>'
