@@ -132,8 +132,8 @@ def try_room(copy: Path, room: str, count: int, seed: int) -> bool:
         alive = survives(copy, room)
         (copy / file).write_text(source, encoding="utf-8")
         tried, killed = tried + 1, killed + (not alive)
-        fate = "survived" if alive else "killed"
-        print(f"{fate:8} {file.as_posix()}:{line}: {change}", flush=True)
+        verdict = "survived" if alive else "killed"
+        print(f"{verdict:8} {file.as_posix()}:{line}: {change}", flush=True)
     print(f"{room}: {killed} of {tried} killed, drawn from {len(places)} places", flush=True)
     return killed >= WANTED * tried
 

@@ -36,6 +36,7 @@ from osculate.plant.faults import HEARD
 from osculate.plant.sensors import sense_exactly, sense_noisily
 from osculate.plant.weather import blow_all, blow_nothing, impair, impair_nothing
 from osculate.simulation.clock import Clock, Continuous, Sampled
+from osculate.simulation.events import event_parameters, no_events
 from osculate.simulation.records import (
     RUNNING,
     Held,
@@ -390,6 +391,7 @@ def _assemble(
         delay=float(clock.delay_steps + round(world.delay / clock.step)),
         speed_limit=SPEED_LIMIT,
         settled=setup.initial.settled,
+        events=event_parameters(setup.robot, setup.initial.settled, setup.safety),
         **parts,
         **(dict.fromkeys(law, Nothing()) if sampled else law),
     )
@@ -428,7 +430,8 @@ def _assemble(
         "wheels": plant.wheels,
         **around.bindings,
     }
-    initial = Progress(state, empty_tally(place), Status(RUNNING, 0.0), held)
+    events = no_events(start.x, start.y)
+    initial = Progress(state, empty_tally(place), events, Status(RUNNING, 0.0), held)
     row = BLANK._replace(insight=insight)
     mind = Mind(control.memory, around.memory) if sampled else Nothing()
     return Loop(
