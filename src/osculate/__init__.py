@@ -75,6 +75,8 @@ if TYPE_CHECKING:
     from osculate.simulation import Metrics as Metrics
     from osculate.simulation import Run as Run
     from osculate.simulation import Sampled as Sampled
+    from osculate.simulation import Verdict as Verdict
+    from osculate.simulation import VerdictKind as VerdictKind
     from osculate.simulation import simulate as simulate
     from osculate.simulation import simulate_batch as simulate_batch
     from osculate.simulation import variable_names as variable_names
@@ -178,6 +180,8 @@ _ROOMS = {
         "Metrics",
         "Run",
         "Sampled",
+        "Verdict",
+        "VerdictKind",
         "simulate",
         "simulate_batch",
         "variable_names",

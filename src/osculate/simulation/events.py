@@ -5,10 +5,11 @@ as far from the curve as the corridor is wide, having been nearer before: a star
 It has reversed once it is `BACKWARD` behind where it was along the path, by the sum of speed times the
 cosine of the heading error: driving backwards counts, and so does driving forward after a turn.
 
-It slides while a wheel's ground moves across the wheel, or along it beyond its tread, faster than
-`SLIDING` and `SLIP` allow: more than tyres creep. That alone is no event; it is the reason of one.
+It slides while a wheel moves over the ground faster than `SLIDING` and `SLIP` allow: more than tyres creep.
+That alone is no event; it is the reason of one. A robot that goes backwards after it slid has spun.
 """
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from osculate.kernel import kernel, select
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
     from osculate.control.safety import Safety
     from osculate.vehicle import Tricycle
 
-NOTHING, LEFT, REVERSED = 0.0, 1.0, 2.0
-UNKNOWN, SLID, TIPPED = 0.0, 1.0, 2.0  # reasons
+NOTHING, LEFT, REVERSED, SPUN = 0.0, 1.0, 2.0, 3.0
 OFF_PATH = 1.0  # m, distance from the curve at which a robot has left it, if no corridor is given
 BACKWARD = 0.1  # m, along the path
 SLIDING = 0.15  # m/s, speed of a wheel over the ground that is no creep
@@ -33,12 +33,12 @@ LONG_AGO = -1e9  # s
 class Event(NamedTuple):
     """One thing that went wrong."""
 
-    kind: float  # NOTHING, LEFT or REVERSED
+    kind: float  # NOTHING, LEFT, REVERSED or SPUN
     time: float  # s
     place: float  # m, arc length of the nearest point of the curve
     x: float  # m, of O
     y: float  # m
-    reason: float  # UNKNOWN, SLID or TIPPED
+    slid: float  # 1 if it had slid shortly before
 
 
 class EventParameters(NamedTuple):
@@ -48,6 +48,7 @@ class EventParameters(NamedTuple):
     strict: float  # 1 if leaving it counts from the start, 0 if only from `settled` on
     settled: float  # m, arc length from which on the rest counts
     wheelbase: float  # m
+    sliding: float  # m/s, speed of a wheel over the ground that is no creep; infinite if wheels only roll
 
 
 class EventMemory(NamedTuple):
@@ -63,32 +64,41 @@ class EventMemory(NamedTuple):
 
 def no_events(x: float, y: float) -> EventMemory:
     """The memory of a robot that stands at x and y (m)."""
-    nothing = Event(NOTHING, 0.0, 0.0, 0.0, 0.0, UNKNOWN)
+    nothing = Event(NOTHING, 0.0, 0.0, 0.0, 0.0, 0.0)
     return EventMemory(nothing, 0.0, 0.0, LONG_AGO, x, y)
 
 
-def event_parameters(robot: "Tricycle", settled: float, safety: "Safety | None") -> EventParameters:
+def event_parameters(
+    robot: "Tricycle", settled: float, safety: "Safety | None", slippery: bool
+) -> EventParameters:
     """What counts as leaving the path and going backwards.
 
     The corridor is that of the safety layer, which counts from the start, or `OFF_PATH` to each side.
+
+    Args:
+        robot: What drives.
+        settled: Arc length (m) from which on errors count.
+        safety: Its safety layer.
+        slippery: Whether its wheels can slide at all.
     """
     half_width = OFF_PATH if safety is None else safety.half_width
-    return EventParameters(half_width, float(safety is not None), settled, robot.wheelbase)
+    sliding = SLIDING if slippery else math.inf
+    return EventParameters(half_width, float(safety is not None), settled, robot.wheelbase, sliding)
 
 
 @kernel
-def slides(elapsed: float, motion: Motion, x: float, y: float, wheelbase: float) -> bool:
+def slides(elapsed: float, motion: Motion, x: float, y: float, p: EventParameters) -> bool:
     """Whether a wheel slides over the ground since O was at x and y (m), ``elapsed`` seconds ago."""
     sine, cosine = sincos(motion.heading)
     across, ahead = sincos(motion.steering_angle)
     per_second = 1.0 / elapsed if elapsed > 0.0 else 0.0
     dx, dy = (motion.x - x) * per_second, (motion.y - y) * per_second
     along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
-    swing = aside + wheelbase * motion.yaw_rate
+    swing = aside + p.wheelbase * motion.yaw_rate
     front = swing * ahead - along * across
     rear = aside * aside + (along - motion.speed) * (along - motion.speed)
     worst = rear if rear > front * front else front * front
-    allowed = SLIDING * SLIDING + SLIP * SLIP * motion.speed * motion.speed
+    allowed = p.sliding * p.sliding + SLIP * SLIP * motion.speed * motion.speed
     return elapsed > 0.0 and worst > allowed
 
 
@@ -106,16 +116,17 @@ def watch_events(
         memory: Without it.
         p: The parameters.
     """
-    slid = t if slides(elapsed, motion, memory.x, memory.y, p.wheelbase) else memory.slid
+    slid = t if slides(elapsed, motion, memory.x, memory.y, p) else memory.slid
     _, facing = sincos(tally.heading_error)
     backward = memory.backward - elapsed * motion.speed * facing
     counts = p.settled <= 0.0 or tally.foot >= p.settled
     backward = backward if backward > 0.0 and counts else 0.0
     outside = abs(tally.cross_track) >= p.half_width
     left = outside and memory.inside > 0.0 and (counts or p.strict > 0.0)
-    kind = LEFT if left else (REVERSED if backward >= BACKWARD else NOTHING)
-    reason = SLID if t - slid <= RECENT else UNKNOWN
-    now = Event(kind, t, tally.foot, motion.x, motion.y, reason)
+    lately = 1.0 if t - slid <= RECENT else 0.0
+    back = SPUN if lately > 0.0 else REVERSED
+    kind = LEFT if left else (back if backward >= BACKWARD else NOTHING)
+    now = Event(kind, t, tally.foot, motion.x, motion.y, lately)
     first = select(memory.first.kind == NOTHING and kind != NOTHING, now, memory.first)
     inside = memory.inside if outside else 1.0
     return EventMemory(first, inside, backward, slid, motion.x, motion.y)

@@ -8,15 +8,15 @@ import numpy as np
 
 from osculate.kernel import Nothing, leaves, rebuild
 from osculate.scene import Scene
-from osculate.simulation.events import EventParameters, event_parameters
-from osculate.simulation.loop import Loop, Setup
+from osculate.simulation.events import EventParameters
+from osculate.simulation.loop import Loop, Setup, corridor_of
 from osculate.simulation.records import STOPPED, Progress, Row
 from osculate.simulation.verdict import Hit, Outcome, Verdict, judge
 
 
-def corridor_of(setup: Setup, scene: Scene) -> EventParameters:
+def corridor_in(setup: Setup, scene: Scene) -> EventParameters:
     """What counts as leaving the path: the scene's corridor, if no safety layer has a narrower one."""
-    events = event_parameters(setup.robot, setup.initial.settled, setup.safety)
+    events = corridor_of(setup)
     if scene.corridor is None or (setup.safety and setup.safety.half_width <= scene.corridor):
         return events
     return events._replace(half_width=scene.corridor)
@@ -24,7 +24,7 @@ def corridor_of(setup: Setup, scene: Scene) -> EventParameters:
 
 def in_corridor(loop: Loop, scene: Scene) -> Loop:
     """The loop with the corridor of a scene."""
-    events = corridor_of(loop.setup, scene)
+    events = corridor_in(loop.setup, scene)
     return replace(loop, parameters=loop.parameters._replace(events=events))
 
 

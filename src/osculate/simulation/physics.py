@@ -36,7 +36,7 @@ from osculate.simulation.loop import (
     with_approach,
 )
 from osculate.simulation.metrics import ENDINGS, Metrics
-from osculate.simulation.outcomes import corridor_of, describe_path
+from osculate.simulation.outcomes import corridor_in, describe_path
 from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED, Row
 from osculate.simulation.run import Run
 from osculate.simulation.tally import empty_tally
@@ -66,7 +66,7 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
         raise InvalidInput("disturbance", setup.disturbance, message)
     setup = with_approach(setup)
     start = setup.initial.on(setup.curve)
-    drive = _Drive(setup, world, clock, start, corridor_of(setup, scene))
+    drive = _Drive(setup, world, clock, start, corridor_in(setup, scene))
     code = RUNNING
     for n in range(clock.steps + 1):
         if report and n % max(1, clock.steps // REPORTS) == 0:

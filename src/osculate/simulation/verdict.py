@@ -5,11 +5,11 @@
 | reached | the robot is at the end of the path | 0 |
 | infeasible | there is no such run: the plan says that the robot cannot | 2 |
 | hit | its footprint touched an obstacle | 10 |
-| left | O was as far from the path as the corridor is wide, or the robot tipped, or ran past the end | 11 |
+| left | O was as far off as the corridor is wide, or it spun, tipped over or ran past the end | 11 |
 | stopped | the safety layer stopped it | 12 |
 | diverged | its next state is not finite, or beyond all speeds | 13 |
 | late | its time was over before it was there | 14 |
-| reversed | it went 0.1 m backwards along the path | 15 |
+| reversed | it went 0.1 m backwards along the path, and had not slid | 15 |
 
 Of several things the first in time counts; at one instant a hit comes before leaving, leaving before going
 backwards, and all of them before the way in which the run ended. The sentence also tells that.
@@ -24,11 +24,13 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from osculate.control.reasons import ARRIVED, explain
-from osculate.simulation.events import BACKWARD, LEFT, OFF_PATH, RECENT, SLID, Event
+from osculate.errors import NoSolution
+from osculate.simulation.events import BACKWARD, LEFT, OFF_PATH, RECENT, REVERSED, Event
 from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED
 
 NEAR = 0.02  # m, from the end along the path: there
 AT_REST = 1e-3  # m/s
+WORTH_SAYING = 1e-3  # m
 
 
 class VerdictKind(StrEnum):
@@ -94,11 +96,6 @@ class Verdict:
         """Exit code of ``osculate run``."""
         return EXIT_CODES[self.kind]
 
-    @property
-    def mark(self) -> str:
-        """A sign that needs no colour: ✓ or ✗."""
-        return "✓" if self.reached else "✗"
-
     def as_dict(self) -> dict[str, Any]:
         """Names to values, for JSON."""
         return {**asdict(self), "kind": str(self.kind)}
@@ -154,6 +151,11 @@ class _End(NamedTuple):
     reason: str = ""
 
 
+def infeasible(error: NoSolution) -> Verdict:
+    """The verdict on a run that cannot be."""
+    return Verdict(VerdictKind.INFEASIBLE, str(error), reason=str(error))
+
+
 def judge(o: Outcome, hit: Hit | None = None) -> Verdict:
     """The verdict on one run.
 
@@ -169,11 +171,9 @@ def judge(o: Outcome, hit: Hit | None = None) -> Verdict:
             obstacle=hit.obstacle, penetration=hit.penetration,
         )  # fmt: skip
     if event.kind:
-        reason = "slid" if event.reason == SLID else ""
-        kind, words = VerdictKind.REVERSED, f"went {_length(BACKWARD)} backwards along the path"
-        if event.kind == LEFT:
-            kind, words = VerdictKind.LEFT, f"left {_corridor(o)}"
-        words = f"{words} {_where(event)}" + (": it slid" if reason else "")
+        reason = "slid" if event.slid else ""
+        kind = VerdictKind.REVERSED if event.kind == REVERSED else VerdictKind.LEFT
+        words = f"{_mishap(o)} {_where(event)}"
         return Verdict(
             kind,
             _then(words, event.time, o, end),
@@ -196,8 +196,8 @@ def _ending(o: Outcome) -> _End:
         why = _intervention(o, o.stop)
         return _End(VerdictKind.STOPPED, f"ended at standstill {_where(o)}: {why}", why)
     if abs(o.cross_track) >= o.half_width:
-        off = f"{_length(abs(o.cross_track))} off the path {_where(o)}"
-        return _End(VerdictKind.LEFT, f"ended {off}, outside {_corridor(o)}")
+        off = f"{_length(abs(o.cross_track))} off the path"
+        return _End(VerdictKind.LEFT, f"ended {off} {_where(o)}")
     if not o.timed and not o.closed and o.place > o.length + NEAR:
         words = f"ran {_length(o.place - o.length)} past the end of the path at t = {o.time:.3f} s"
         return _End(VerdictKind.LEFT, f"{words}, {_moving(o)}", "ran past the end")
@@ -215,15 +215,22 @@ def _has_reached(o: Outcome) -> bool:
 
 def _arrival(o: Outcome) -> str:
     """Where a run is that ended by itself or by its clock."""
+    if o.code == RUNNING:
+        return f"ended after its duration of {o.time:.3f} s{_off(o, 'the end of the path')}, {_moving(o)}"
+    if o.timetable:
+        words, end = "completed its timetable", "the end of the path"
+    elif abs(o.length - o.place) <= NEAR:
+        words, end = "reached the end of the path", "it"
+    else:
+        words, end = "drove the length of the path", "its end"
+    return f"{words} at t = {o.time:.3f} s{_off(o, end)}, {_moving(o)}"
+
+
+def _off(o: Outcome, end: str) -> str:
+    """How far from the end along the path, if that is worth a word."""
     short = o.length - o.place
     side = "before" if short > 0.0 else "beyond"
-    off = f", {_length(abs(short))} {side} the end of the path" if abs(short) >= AT_REST else ""
-    if o.code == RUNNING:
-        return f"ended after its duration of {o.time:.3f} s{off}, {_moving(o)}"
-    what = "completed its timetable" if o.timetable else "drove the length of the path"
-    if not o.timetable and abs(short) <= NEAR:
-        what = "reached the end of the path"
-    return f"{what} at t = {o.time:.3f} s{off}, {_moving(o)}"
+    return f", {_length(abs(short))} {side} {end}" if abs(short) >= WORTH_SAYING else ""
 
 
 def _diverged(o: Outcome) -> _End:
@@ -248,10 +255,14 @@ def _then(words: str, time: float, o: Outcome, end: _End) -> str:
     return f"{words}; it then {end.sentence}" if time < o.time else words
 
 
-def _corridor(o: Outcome) -> str:
-    if o.given:
-        return f"the corridor of {o.half_width:g} m to each side"
-    return f"the path by {o.half_width:g} m"
+def _mishap(o: Outcome) -> str:
+    """What went wrong first."""
+    if o.first.kind == LEFT:
+        corridor = f"the corridor of {o.half_width:g} m to each side"
+        words = f"left {corridor if o.given else f'the path by {o.half_width:g} m'}"
+    else:
+        words = f"went {BACKWARD:g} m backwards along the path"
+    return f"slid and {words}" if o.first.slid else words
 
 
 def _where(at: Any) -> str:
