@@ -167,9 +167,28 @@ def _path_plot(run: "Run", column: dict[str, Any]) -> dict[str, Any]:
         "type": "scatter", "mode": "markers", "name": "start",
         "x": [start[0]], "y": [start[1]], "marker": marker,
     }  # fmt: skip
-    plot = _plot([*traces, bodies, begin], "x (m)", "y (m)", hovermode="closest", height=520)
+    plot = _plot(
+        [*traces, bodies, begin, *_verdict_mark(run.verdict)],
+        "x (m)",
+        "y (m)",
+        hovermode="closest",
+        height=520,
+    )
     plot["layout"]["yaxis"].update(scaleanchor="x", scaleratio=1)
     return plot
+
+
+def _verdict_mark(verdict: "Verdict") -> list[Trace]:
+    """Where something happened, unless all is well."""
+    if verdict.reached:
+        return []
+    return [
+        {
+            "type": "scatter", "mode": "markers", "name": str(verdict.kind),
+            "x": [verdict.x], "y": [verdict.y],
+            "marker": {"color": RED, "size": 13, "symbol": "x"},
+        }
+    ]  # fmt: skip
 
 
 def _filled(outline: Any, name: str, fill: str, colour: str) -> Trace:
