@@ -76,8 +76,9 @@ def batch_dataset(batch: "Batch") -> "xarray.Dataset":
         for n, v in enumerate(batch.variables)
         if len(batch.time) and v.name != "time"
     }
+    kinds = np.array([str(verdict.kind) for verdict in batch.verdicts])
     return xarray.Dataset(
-        {**metrics, **series},
+        {**metrics, "verdict": ("run", kinds, {"long_name": "what became of the run"}), **series},
         coords={
             **{name: ("run", np.asarray(values)) for name, values in batch.varied.items()},
             **({"time": ("time", batch.time, {"units": "s"})} if len(batch.time) else {}),

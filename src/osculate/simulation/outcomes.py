@@ -1,14 +1,16 @@
 """How runs went and ended, from what the engine leaves of them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from osculate.kernel import Nothing, leaves, rebuild
+from osculate.control.pilot import Insight
+from osculate.kernel import leaves, rebuild
 from osculate.scene import Scene
-from osculate.simulation.events import EventParameters
+from osculate.simulation.events import Event, EventParameters
 from osculate.simulation.loop import Loop, Setup, corridor_of
 from osculate.simulation.records import STOPPED, Progress, Row
 from osculate.simulation.verdict import Hit, Outcome, Verdict, judge
@@ -60,7 +62,7 @@ def outcomes(final: Progress, last: Row, **path: Any) -> Outcome:
     code = np.asarray(final.status.code)
     nothing = np.zeros_like(code)
     insight = last.insight
-    seen = insight != Nothing() and hasattr(insight, "intervention")
+    seen = isinstance(insight, Insight)
     stop = getattr(final.held, "stop", nothing)
     made = Outcome(
         code=code,
@@ -83,8 +85,13 @@ def outcomes(final: Progress, last: Row, **path: Any) -> Outcome:
     return rebuild(made, (np.broadcast_to(leaf, code.shape) for leaf in leaves(made)))
 
 
-def verdicts(all_of_them: Outcome, hits: list[Hit | None]) -> list[Verdict]:
+def verdicts(all_of_them: Outcome, hits: Sequence[Hit | None]) -> list[Verdict]:
     """The verdict on every run."""
-    rows = np.array(list(leaves(all_of_them))).T.tolist()
-    ones = (rebuild(all_of_them, iter(row)) for row in rows)
+    columns = (
+        map(Event._make, zip(*(leaf.tolist() for leaf in field), strict=True))
+        if isinstance(field, Event)
+        else field.tolist()
+        for field in all_of_them
+    )
+    ones = map(Outcome._make, zip(*columns, strict=True))
     return [judge(one, hit) for one, hit in zip(ones, hits, strict=True)]
