@@ -318,6 +318,7 @@ def compare(
             draws=draws,
             report=report,
         )
+    out.print(result.verdict, style="green" if result.reached else "bold red", soft_wrap=True)
     _print_table(ranking_table(result))
     if len({cell["plant"] for cell in result.cells}) > 1 and OURS in result.controllers:
         _print_table(condition_table(result, OURS))

@@ -1,7 +1,8 @@
 """What goes wrong on the way: the first time that a robot leaves its corridor or goes backwards.
 
 Watched sample by sample, so that a million runs need no record. A robot has left its corridor once O is
-as far from the curve as the corridor is wide, having been nearer before: a start outside is no leaving.
+as far from the curve as the corridor is wide, having been nearer before: a start outside is no leaving,
+unless it is to be made good by an arc length that is behind it.
 It has reversed once it is `BACKWARD` behind where it was along the path, by the sum of speed times the
 cosine of the heading error: driving backwards counts, and so does driving forward after a turn.
 
@@ -122,7 +123,8 @@ def watch_events(
     counts = p.settled <= 0.0 or tally.foot >= p.settled
     backward = backward if backward > 0.0 and counts else 0.0
     outside = abs(tally.cross_track) >= p.half_width
-    left = outside and memory.inside > 0.0 and (counts or p.strict > 0.0)
+    due = p.settled > 0.0 and counts
+    left = outside and (due or (memory.inside > 0.0 and (counts or p.strict > 0.0)))
     lately = 1.0 if t - slid <= RECENT else 0.0
     back = SPUN if lately > 0.0 else REVERSED
     kind = LEFT if left else (back if backward >= BACKWARD else NOTHING)

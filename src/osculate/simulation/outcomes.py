@@ -88,7 +88,7 @@ def outcomes(final: Progress, last: Row, **path: Any) -> Outcome:
 def verdicts(all_of_them: Outcome, hits: Sequence[Hit | None]) -> list[Verdict]:
     """The verdict on every run."""
     columns = (
-        map(Event._make, zip(*(leaf.tolist() for leaf in field), strict=True))
+        map(Event._make, zip(*(np.asarray(leaf).tolist() for leaf in field), strict=True))
         if isinstance(field, Event)
         else field.tolist()
         for field in all_of_them
