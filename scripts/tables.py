@@ -22,9 +22,9 @@ from osculate.plant import Mujoco
 from osculate.simulation import InitialState
 from osculate.study.comparison.compare import Comparison, compare
 from osculate.study.comparison.report import OURS
+from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 from osculate.study.comparison.suite import CONDITIONS, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
-from osculate.study.comparison.verdicts import condition_table, summary, verdicts
 from osculate.vehicle import vehicle_named
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -133,7 +133,7 @@ def texts(robot: str, places: dict[Task, Path]) -> Iterator[tuple[str, str]]:
         if task.robot == robot:
             cells += json.loads(path.read_text(encoding="utf-8"))
     result = Comparison(cells, {}, {})
-    found = verdicts(result, OURS)
+    found = paired_comparisons(result, OURS)
     head, *rows = condition_table(result, OURS)
     rule = ["---", *["---:"] * (len(head) - 1)]
     lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *rows)]

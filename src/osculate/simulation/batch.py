@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from osculate.errors import InvalidInput
 from osculate.kernel import Tables, names
+from osculate.scene import Scene
 from osculate.simulation.blocks import (
     Block,
     Finished,
@@ -21,11 +22,14 @@ from osculate.simulation.blocks import (
     run_block,
     single_block,
 )
+from osculate.simulation.hits import HitWatch
 from osculate.simulation.loop import Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
+from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
 from osculate.simulation.run import make_setup
 from osculate.simulation.size import longest, require_size
 from osculate.simulation.variables import Variable, variables_of
+from osculate.simulation.verdict import Hit, Outcome, Verdict
 
 LANES = 64  # runs side by side in one block
 
@@ -42,6 +46,8 @@ class Batch:
         record: Shape (runs, rows, variables); after a run's end its last values are repeated. Empty
             without a record.
         variables: What the record holds, in order.
+        outcomes: How the runs went and ended; leaves of shape (runs,).
+        hits: The first contact of every run with an obstacle.
     """
 
     setup: Setup
@@ -50,6 +56,13 @@ class Batch:
     time: NDArray[np.float64]
     record: NDArray[np.float64]
     variables: tuple[Variable, ...]
+    outcomes: Outcome
+    hits: tuple[Hit | None, ...]
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What became of every run."""
+        return tuple(verdicts(self.outcomes, self.hits))
 
     @cached_property
     def data(self) -> Any:
@@ -65,6 +78,7 @@ def simulate_batch(
     *,
     runs: int | None = None,
     vary: Mapping[str, ArrayLike] | None = None,
+    scene: Scene | None = None,
     record_every: int = 0,
     threads: int | None = None,
     report: Report | None = None,
@@ -80,6 +94,7 @@ def simulate_batch(
         robot: A robot, or a list of robots.
         runs: How many runs; needed only if no list and no array says so.
         vary: Name of a kernel parameter or initial value to values, shape (runs,).
+        scene: Obstacles, for hits, and a corridor, for all runs; with obstacles every step is looked at.
         record_every: Keep every this many steps of all runs; 0 keeps metrics only.
         threads: Threads that work on blocks of lanes; by default all processors.
         report: Called with the fraction of the runs that are done.
@@ -91,7 +106,8 @@ def simulate_batch(
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
     varied = {name: np.asarray(values, dtype=float) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
-    loops = _close_loops(given, count)
+    around = scene or Scene()
+    loops = [in_corridor(loop, around) for loop in _close_loops(given, count)]
     columns = _Columns(loops, varied, count)
     first = loops[0]
     clock = first.setup.clock
@@ -102,17 +118,21 @@ def simulate_batch(
     starts = range(0, count, LANES)
     done = 0
     pieces: list[tuple[Any, Any, NDArray[np.float64]]] = []
+    hits: list[Hit | None] = []
+
+    def run(start: int) -> tuple[Finished, list[Hit | None]]:
+        return _run(first, columns, start, record_every, around)
+
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        for start, block in zip(
-            starts, pool.map(lambda s: _run(first, columns, s, record_every), starts), strict=True
-        ):
+        for start, (block, touched) in zip(starts, pool.map(run, starts), strict=True):
             used = min(LANES, count - start)
             record = np.moveaxis(block.record[..., :used], 2, 0)
             pieces.append((block.runs[:, :used], block.last[:, :used], record))
+            hits += touched
             done += used
             if report:
                 report(done / count)
-    return _collect(first, columns, pieces, record_every)
+    return _collect(columns, pieces, record_every, around, hits)
 
 
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
@@ -133,8 +153,16 @@ def _places(loop: Loop) -> dict[str, list[tuple[int, int]]]:
     return places
 
 
-def _run(loop: Loop, columns: "_Columns", start: int, every: int) -> Finished:
-    return run_block(loop, columns.block(start), every)
+def _run(
+    loop: Loop, columns: "_Columns", start: int, every: int, scene: Scene
+) -> tuple[Finished, list[Hit | None]]:
+    """The block of the lanes from run ``start``, and what its runs touch."""
+    setups = [columns.loop(n).setup for n in range(start, min(start + LANES, columns.count))]
+    if scene.is_empty:
+        return run_block(loop, columns.block(start), every), [None] * len(setups)
+    watch = HitWatch(setups, scene, loop.row)
+    block = run_block(loop, columns.block(start), every, watch=watch.see)
+    return block, watch.hits()
 
 
 def _count(
@@ -204,6 +232,18 @@ class _Columns:
                 )
         self.varied = {n: np.broadcast_to(v, (count,)) for n, v in varied.items()}
 
+    def loop(self, run: int) -> Loop:
+        """The closed loop of a run."""
+        return self.loops[run if len(self.loops) > 1 else 0]
+
+    def path(self, scene: Scene) -> dict[str, Any]:
+        """What `outcomes` has to know of all paths, laws and corridors, each of shape (runs,)."""
+        each = [path_of(loop, scene) for loop in self.loops]
+        known = {name: np.array([path[name] for path in each]) for name in each[0]}
+        if "events.half_width" in self.varied:
+            known["half_width"] = self.varied["events.half_width"]
+        return known
+
     def block(self, start: int) -> Block:
         """The runs of the lanes from run ``start``; the last one is repeated."""
         index = np.minimum(np.arange(start, start + LANES), self.count - 1)
@@ -219,24 +259,28 @@ class _Columns:
 
 
 def _collect(
-    loop: Loop,
     columns: _Columns,
     pieces: list[tuple[Any, Any, NDArray[np.float64]]],
     every: int,
+    scene: Scene,
+    hits: list[Hit | None],
 ) -> Batch:
+    loop = columns.loops[0]
     final = final_run(loop, np.concatenate([p[0] for p in pieces], axis=1))
     last = last_row(loop, np.concatenate([p[1] for p in pieces], axis=1))
     curves = [c.setup.curve for c in columns.loops]
     lengths = np.array([curve.length for curve in curves])
-    ends = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
-    metrics = summarise(final, last, lengths, (ends[:, 0], ends[:, 1]))
+    goals = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
+    metrics = summarise(final, last, lengths, (goals[:, 0], goals[:, 1]))
     rows = max(p[2].shape[1] for p in pieces)
     record = np.concatenate([_padded(p[2], rows) for p in pieces])
     clock = loop.setup.clock
     time = np.arange(rows) * (clock.step * every)
     variables = variables_of(loop.row)
     record = record[..., : len(variables)]
-    return Batch(loop.setup, dict(columns.varied), metrics, time, record, variables)
+    ends = outcomes(final, last, **columns.path(scene))
+    varied = dict(columns.varied)
+    return Batch(loop.setup, varied, metrics, time, record, variables, ends, tuple(hits))
 
 
 def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:

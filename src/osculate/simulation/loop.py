@@ -28,6 +28,7 @@ from osculate.plant import (
     Push,
     Reduced,
     Sensors,
+    Slip,
     World,
     world_of,
 )
@@ -36,6 +37,7 @@ from osculate.plant.faults import HEARD
 from osculate.plant.sensors import sense_exactly, sense_noisily
 from osculate.plant.weather import blow_all, blow_nothing, impair, impair_nothing
 from osculate.simulation.clock import Clock, Continuous, Sampled
+from osculate.simulation.events import EventParameters, event_parameters, no_events
 from osculate.simulation.records import (
     RUNNING,
     Held,
@@ -391,6 +393,7 @@ def _assemble(
         delay=float(clock.delay_steps + round(world.delay / clock.step)),
         speed_limit=SPEED_LIMIT,
         settled=setup.initial.settled,
+        events=corridor_of(setup),
         **parts,
         **(dict.fromkeys(law, Nothing()) if sampled else law),
     )
@@ -429,13 +432,20 @@ def _assemble(
         "wheels": plant.wheels,
         **around.bindings,
     }
-    initial = Progress(state, empty_tally(place), Status(RUNNING, 0.0), held)
+    events = no_events(start.x, start.y)
+    initial = Progress(state, empty_tally(place), events, Status(RUNNING, 0.0), held)
     row = BLANK._replace(insight=insight)
     mind = Mind(control.memory, around.memory) if sampled else Nothing()
     return Loop(
         setup, {**bindings, **shared}, parameters, initial, mind, thought if sampled else Nothing(),
         tables.array, plan, row=row,
     )  # fmt: skip
+
+
+def corridor_of(setup: Setup) -> EventParameters:
+    """What counts as leaving the path and going backwards, if the scene has no corridor."""
+    slippery = isinstance(setup.plant, Slip | Mujoco)
+    return event_parameters(setup.robot, setup.initial.settled, setup.safety, slippery)
 
 
 class Surroundings(NamedTuple):
