@@ -193,7 +193,7 @@ class Stepper:
 
     @property
     def arrived(self) -> bool:
-        """Whether the robot has come to the end of the path, where it brakes and stands."""
+        """Whether the robot is at the end of the path, where it brakes and stands."""
         return self.memory.stop.alarm.reason == ARRIVED
 
     @property
@@ -208,8 +208,9 @@ class Stepper:
 
     @property
     def finished(self) -> bool:
-        """Whether the end of the curve is reached."""
-        return self.progress >= self.length
+        """Whether the path is done: the robot stands at its end, or passes it where it shall do so."""
+        passes = self._road.arrival.end == math.inf
+        return self.arrived and (passes or self.standing)
 
     @property
     def _whole(self) -> Any:

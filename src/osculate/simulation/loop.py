@@ -50,6 +50,7 @@ from osculate.simulation.records import (
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
 from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
+from osculate.target.speed import rests_at_end
 from osculate.vehicle import Command, Motion, Tricycle
 
 RECOVERABLE_HEADING = math.radians(100.0)
@@ -277,7 +278,7 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "pace": Nothing(),
         "target": Nothing(),
         "finish": math.inf,
-        "path_end": curve.length,
+        "path_end": math.inf if rests_at_end(curve, setup.limits) else curve.length,
         "deadline": math.inf,
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}

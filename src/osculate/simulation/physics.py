@@ -3,6 +3,7 @@
 The record and the metrics are those of every run; positions and speeds are MuJoCo's.
 """
 
+import math
 from collections import deque
 from dataclasses import fields
 from typing import Any
@@ -39,6 +40,7 @@ from osculate.simulation.run import Run, clearance_of, stop_message
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
 from osculate.target import Reference
+from osculate.target.speed import rests_at_end
 from osculate.vehicle import Command, Motion
 from osculate.vehicle.measurement import NO_FIX, Measurement
 
@@ -97,6 +99,8 @@ class _Drive:
         waits = clock.delay_steps + round(world.delay / clock.step) + 1
         self.pipe: deque[Command] = deque([rest] * waits, maxlen=waits)
         self.told, self.push = rest, Push(0.0, 0.0, 0.0, 0.0)
+        rests = rests_at_end(setup.curve, setup.limits)
+        self.path_end = math.inf if rests else self.stepper.length
         self.progress, self.travelled = setup.initial.arc_length, 0.0
         self.insight: Any = Nothing()
         self.wanted = 0.0  # m/s, speed that the law aims at
@@ -114,7 +118,7 @@ class _Drive:
         row = self._row(t, motion)
         self.rows.append(list(leaves(row)))
         self.progress = row.foot
-        if row.foot >= self.stepper.length:
+        if row.foot >= self.path_end:
             return "path end"
         if abs(motion.speed) < STANDSTILL and self.stepper.arrived:
             return "path end"

@@ -24,7 +24,9 @@ class Parameters(NamedTuple):
     curve: CurveTable
     delay: float  # steps between a command's decision and its effect (sampled clock)
     finish: float  # m, arc length at which the run is complete
-    path_end: float  # m, arc length of the nearest point at which a tracked run is complete
+    path_end: (
+        float  # m, arc length of the nearest point with which a run that passes it is complete
+    )
     deadline: float  # s, when the timetable of a static target is complete
     settled: float  # m, errors count from this arc length on
     speed_limit: float  # m/s, beyond which a run counts as diverged

@@ -22,7 +22,13 @@ from osculate.control.estimation.contract import TRUSTED, Evidence
 from osculate.control.gate import GateMemory, GateParameters, gate_of
 from osculate.control.reasons import CALM, Alarm
 from osculate.control.standstill import DRIVING, StopMemory, StopParameters
-from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
+from osculate.control.tracking.arrival import ArrivalParameters, arrival_parameters
+from osculate.control.tracking.speed_loop import (
+    SpeedLoop,
+    SpeedMemory,
+    SpeedParameters,
+    effect_time,
+)
 from osculate.curve.contract import Curve
 from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
 from osculate.kernel import Grid, Nothing, Tables, compose, kernel
@@ -84,6 +90,7 @@ class TrackingParameters(NamedTuple):
     guard: Any  # of the safety layer
     gate: GateParameters
     stop: StopParameters
+    arrival: ArrivalParameters
 
 
 class TrackingMemory(NamedTuple):
@@ -152,6 +159,7 @@ class Road:
     curve: CurveTable
     profile: Grid
     limits: Limits
+    arrival: ArrivalParameters  # at the end
     period: float  # s
     delay: int  # periods between a decision and its effect
     jitter: Jitter | None = None  # of the pose that is believed; None if it is known
@@ -180,7 +188,9 @@ def survey(
     cells = max(CELLS, math.ceil(curve.length / FINEST))
     beyond = BEYOND + 2.0 * robot.wheelbase
     table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
-    return Road(robot, table, profile, limits, period, delay), plan
+    ahead = effect_time(robot, period, delay)
+    arrival = arrival_parameters(curve, robot, limits, ahead)
+    return Road(robot, table, profile, limits, arrival, period, delay), plan
 
 
 @dataclass(frozen=True)
@@ -298,6 +308,7 @@ class PathTracker(Controller):
             guard=guard.parameters,
             gate=gate,
             stop=stop_parameters(road, road.curve.length, guard),
+            arrival=road.arrival,
         )
         memory = TrackingMemory(
             progress=progress,

@@ -1,5 +1,6 @@
 """Template: run a block of closed loops side by side, ``LANES`` of them (one, or many)."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,7 @@ if TYPE_CHECKING:  # parts, bound by `compose`
     LIKE_PARAMETERS: Any = None
     LIKE_ROW: Any = None
 
-STANDSTILL = 5e-3  # m/s, below which a robot that stops has stopped
+STANDSTILL = 1e-3  # m/s, below which a robot that stops has stopped
 LANDINGS = 4  # Newton steps to the instant at which the path ends
 
 
@@ -80,7 +81,8 @@ def advance(
         or tally.foot + travelled >= p.path_end
         or t + h >= p.deadline
     )
-    stopped = halted(run.held) if abs(speed) < STANDSTILL else 0.0
+    still = abs(measure(run.state.plant, p.plant).speed) < STANDSTILL
+    stopped = halted(run.held) if still else 0.0
     beyond = beyond or stopped == ARRIVED
     stands = STOPPED if stopped > 0.0 else RUNNING
     code = DIVERGED if wild else (FINISHED if beyond else stands)
@@ -104,12 +106,13 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
     state = run.state
     goal = run.state.target.arc_length + p.path_end - run.tally.foot
     goal = p.finish if p.finish < goal else goal
+    moves = goal < math.inf or p.deadline < math.inf  # else it has come to rest
     for _ in range(LANDINGS):
         speed = measure(state.plant, p.plant).speed
         part = part + (goal - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
         part = part if part < h else h
         part = part if part < p.deadline - t else p.deadline - t
-        part = part if part > 0.0 and finished else 0.0
+        part = part if part > 0.0 and finished and moves else 0.0
         state = rk4(t, part, run.state, action, p, tables)
     ended = Progress(select(finished, state, run.state), run.tally, run.status, run.held)
     row, tally = observe(t + part, part, ended, action, p, tables)

@@ -16,7 +16,7 @@ linear programmes are solved by HiGHS, a few suffice (`programme`). Speeds at th
 reached are refused with the distance that they need (`reach`).
 """
 
-from osculate.target.speed.limits import Ceiling, Limits
+from osculate.target.speed.limits import Ceiling, Limits, rest_deceleration, rests_at_end
 from osculate.target.speed.plan import SpeedPlan, plan_speed
 
-__all__ = ["Ceiling", "Limits", "SpeedPlan", "plan_speed"]
+__all__ = ["Ceiling", "Limits", "SpeedPlan", "plan_speed", "rest_deceleration", "rests_at_end"]

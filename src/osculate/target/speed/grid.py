@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from osculate.curve.contract import Curve
 from osculate.errors import InvalidInput, NoSolution
-from osculate.target.speed.limits import Ceiling, Limits
+from osculate.target.speed.limits import Ceiling, Limits, rest_deceleration, rests_at_end
 from osculate.vehicle.tricycle import Tricycle
 
 Array = NDArray[np.float64]
@@ -140,6 +140,9 @@ def _caps(
     own = curve.speed_limit(s)
     if own is not None:
         caps["the curve's own speeds"] = np.maximum(own, limits.creep) ** 2 / 2.0
+    braking = rest_deceleration(robot, limits)
+    if rests_at_end(curve, limits) and braking < limits.deceleration:
+        caps["coming to rest"] = limits.creep**2 / 2.0 + braking * (curve.length - s)
     return caps
 
 

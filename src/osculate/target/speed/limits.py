@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from osculate.curve.contract import Curve
 from osculate.spec import Spec, quantity
+from osculate.vehicle.tricycle import Tricycle
 
 Array = NDArray[np.float64]
 
@@ -44,10 +46,24 @@ class Limits(Spec):
     )
     end_speed: float | None = quantity(
         "m/s",
-        "speed at the end, at least creep; by default creep, on closed curves free",
+        "speed with which the end is passed, at least creep; by default the robot comes to rest there, on "
+        "closed curves it is free",
         default=None,
         ge=0,
     )
+
+
+def rests_at_end(curve: Curve, limits: Limits) -> bool:
+    """Whether the robot comes to rest at the end: of an open curve that it is not to pass with a speed."""
+    return not (curve.closed or limits.end_speed)
+
+
+def rest_deceleration(robot: Tricycle, limits: Limits) -> float:
+    """Deceleration (m/s²) with which a robot comes to rest at the end of a path.
+
+    Rolling resistance is not counted on: what it gives is left for a load that nobody knows.
+    """
+    return min(limits.deceleration, limits.torque * robot.motor_deceleration)
 
 
 class Ceiling(NamedTuple):

@@ -57,7 +57,7 @@ class _Reach(NamedTuple):
             limit, lower = "acceleration", "lower limits.end_speed"
         there = "" if whole else " for that"
         return (
-            f"the {self.name} speed cannot be kept: {text}, the path has {self.room:.3g} m{there}; {lower}, "
+            f"the {self.name} speed cannot be kept: {text}, the path has {self.room:.3g} m{there}; {lower} "
             f"or raise limits.{limit} or limits.jerk"
         )
 
@@ -124,8 +124,8 @@ def explain_infeasible(problem: Problem, limits: Limits) -> NoSolution:
     ]
     if ends:
         return NoSolution(
-            f"no speed profile keeps all limits with the {' and the '.join(ends)} on {problem.s[-1]:.4g} m: "
-            "motors, jerk and the other limits together do not allow it; lower these speeds, or raise "
+            f"no speed profile keeps all limits with the {' and the '.join(ends)} on {problem.s[-1]:.4g} m:"
+            " motors, jerk and the other limits together do not allow it; lower these speeds, or raise "
             f"limits.torque or limits.jerk = {limits.jerk:g} m/s³"
         )
     return NoSolution(
