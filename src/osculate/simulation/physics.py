@@ -27,6 +27,7 @@ from osculate.simulation.loop import (
     TEMPLATES,
     Setup,
     Surroundings,
+    cautions,
     checked_world,
     estimator_of,
     motion_at,
@@ -64,6 +65,7 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     setup = with_approach(setup)
     start = setup.initial.on(setup.curve)
     drive = _Drive(setup, world, clock, start)
+    caution = cautions(setup, world, drive.stepper.plan, drive.stepper.caution)
     ended = "time"
     for n in range(clock.steps + 1):
         if report and n % max(1, clock.steps // REPORTS) == 0:
@@ -76,7 +78,7 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     metrics = _metrics(setup, scene, columns, ended)
     stepper = drive.stepper
     message = _message(columns, ended, float(stepper.memory.stop.alarm.reason))
-    return Run(setup, scene, columns, metrics, message, stepper.plan, stepper.caution)
+    return Run(setup, scene, columns, metrics, message, stepper.plan, caution)
 
 
 class _Drive:

@@ -17,6 +17,16 @@ reached are refused with the distance that they need (`reach`).
 """
 
 from osculate.target.speed.limits import Ceiling, Limits, rest_deceleration, rests_at_end
-from osculate.target.speed.plan import SpeedPlan, plan_speed
+from osculate.target.speed.plan import RESTING, Begin, SpeedPlan, plan_from, plan_speed
 
-__all__ = ["Ceiling", "Limits", "SpeedPlan", "plan_speed", "rest_deceleration", "rests_at_end"]
+__all__ = [
+    "RESTING",
+    "Begin",
+    "Ceiling",
+    "Limits",
+    "SpeedPlan",
+    "plan_from",
+    "plan_speed",
+    "rest_deceleration",
+    "rests_at_end",
+]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from osculate.curve.contract import Curve
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, NoSolution
 from osculate.kernel import Grid, Tables
 from osculate.target.speed.grid import Problem, make_problem
 from osculate.target.speed.limits import Ceiling, Limits
@@ -107,6 +107,40 @@ def plan_speed(
     c = _iterate(problem, limits)
     node = 0.5 * (c[:-1] + c[1:])
     return SpeedPlan(problem.s, node, np.diff(c) / problem.step, binding(problem, limits, c))
+
+
+class Begin(NamedTuple):
+    """Where a robot begins, and how fast."""
+
+    arc_length: float = 0.0  # m
+    speed: float = 0.0  # m/s
+
+
+#: At rest at the start of the curve.
+RESTING = Begin()
+
+
+def plan_from(
+    begin: Begin, curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None = None
+) -> SpeedPlan:
+    """The plan for a robot that moves already: at the start of the curve it takes over its speed.
+
+    Raises:
+        InvalidInput: See `plan_speed`.
+        NoSolution: See `plan_speed`; or the robot begins faster than any plan may be there.
+    """
+    plan = plan_speed(curve, robot, limits, ceiling)
+    allowed = float(plan.at(begin.arc_length).speed)
+    if not begin.speed > allowed * (1.0 + SLACK):
+        return plan
+    given = limits.start_speed is not None
+    if begin.arc_length > 0.0 or begin.speed > limits.speed or given:
+        hint = "limits.start_speed" if given else "the limit that binds there"
+        raise NoSolution(
+            f"the robot begins with {begin.speed:.4g} m/s at s = {begin.arc_length:.4g} m, where the plan "
+            f"allows {allowed:.4g} m/s; start slower, or raise {hint}"
+        )
+    return plan_speed(curve, robot, limits.but(start_speed=begin.speed), ceiling)
 
 
 def _iterate(problem: Problem, limits: Limits) -> Array:

@@ -57,8 +57,8 @@ class _Reach(NamedTuple):
             limit, lower = "acceleration", "lower limits.end_speed"
         there = "" if whole else " for that"
         return (
-            f"the {self.name} speed cannot be kept: {text}, the path has {self.room:.3g} m{there}; {lower} "
-            f"or raise limits.{limit} or limits.jerk"
+            f"the {self.name} speed cannot be kept: {text}, the path has {self.room:.3g} m{there}; "
+            f"{lower}, or raise limits.{limit} or limits.jerk"
         )
 
 
