@@ -1,6 +1,7 @@
 """A closed loop: one choice of every part, made once, before anything runs."""
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,6 +35,7 @@ from osculate.plant import (
 )
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
 from osculate.plant.faults import HEARD
+from osculate.plant.grip import foresee_sliding
 from osculate.plant.sensors import sense_exactly, sense_noisily
 from osculate.plant.weather import blow_all, blow_nothing, impair, impair_nothing
 from osculate.simulation.clock import Clock, Continuous, Sampled
@@ -52,7 +54,7 @@ from osculate.simulation.records import (
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
 from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
-from osculate.target.speed import rests_at_end
+from osculate.target.speed import Begin, rests_at_end
 from osculate.vehicle import Command, Motion, Tricycle
 
 RECOVERABLE_HEADING = math.radians(100.0)
@@ -152,7 +154,7 @@ class Loop:
     plan: SpeedPlan | None = None  # of a path tracker
     decide: Decide | None = None  # where steering decisions come from Python
     row: Row = BLANK  # shape of its record
-    caution: str | None = None  # what a safety layer foresees
+    caution: str | None = None  # what is foreseen of it
 
     @cached_property
     def _composed(self) -> dict[tuple[str, int], Any]:
@@ -273,8 +275,9 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     delay = round(clock.delay / clock.period)
     task = (curve, setup.robot, setup.limits, clock.period, delay)
     foreseen, ceiling = foresee(setup.safety, *task)
-    road, plan = survey(*task, tables, ceiling)
     start = setup.initial.on(curve)
+    begin = Begin(setup.initial.arc_length, start.speed)
+    road, plan = survey(*task, tables, ceiling, begin)
     pilot = make_pilot(setup, road, start)
     parts = {
         "pace": Nothing(),
@@ -285,11 +288,26 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
-    if foreseen is not None:
-        loop = replace(loop, caution=foreseen.caution(plan))
+    stuck = foreseen.caution(plan) if foreseen is not None else None
+    loop = replace(loop, caution=cautions(setup, checked_world(setup), plan, stuck))
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
+
+
+def cautions(setup: Setup, world: World, plan: SpeedPlan, stuck: str | None) -> str | None:
+    """What is foreseen of a run, in sentences; None if nothing. Sliding is warned of.
+
+    Args:
+        setup: What is going to run.
+        world: Its plant, with all faults.
+        plan: Its speeds.
+        stuck: What becomes of it if its steering gets stuck.
+    """
+    sliding = foresee_sliding(world.plant, setup.robot, setup.limits, setup.curve, plan)
+    if sliding is not None:
+        warnings.warn(sliding, stacklevel=2)
+    return "; ".join(text for text in (stuck, sliding) if text) or None
 
 
 def sampled_clock(setup: Setup) -> Sampled:

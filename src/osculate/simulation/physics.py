@@ -29,6 +29,7 @@ from osculate.simulation.loop import (
     TEMPLATES,
     Setup,
     Surroundings,
+    cautions,
     checked_world,
     estimator_of,
     motion_at,
@@ -69,6 +70,7 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     setup = with_approach(setup)
     start = setup.initial.on(setup.curve)
     drive = _Drive(setup, world, clock, start, corridor_in(setup, scene))
+    caution = cautions(setup, world, drive.stepper.plan, drive.stepper.caution)
     code = RUNNING
     for n in range(clock.steps + 1):
         if report and n % max(1, clock.steps // REPORTS) == 0:
@@ -82,7 +84,7 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     metrics = _metrics(setup, columns, near, ENDINGS[code])
     verdict = _verdict(setup, scene, drive, columns, code, near)
     stepper = drive.stepper
-    return Run(setup, scene, columns, metrics, verdict, stepper.plan, stepper.caution)
+    return Run(setup, scene, columns, metrics, verdict, stepper.plan, caution)
 
 
 class _Drive:

@@ -87,7 +87,8 @@ class Run:
         metrics: Exactness and effort.
         verdict: What became of it: what happened first, where and when.
         plan: The speed plan of a path tracker.
-        caution: Where a stuck steering would take it out of its corridor, in a sentence.
+        caution: What was foreseen before it began: where a stuck steering would take it out of its
+            corridor, why it may slide.
     """
 
     setup: Setup

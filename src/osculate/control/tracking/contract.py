@@ -34,7 +34,7 @@ from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
 from osculate.kernel import Grid, Nothing, Tables, compose, kernel
 from osculate.kernel.maths import atan, sincos, tan, wrap_angle
 from osculate.target.contract import TargetPart
-from osculate.target.speed import Ceiling, Limits, SpeedPlan, plan_speed
+from osculate.target.speed import RESTING, Begin, Ceiling, Limits, SpeedPlan, plan_from
 from osculate.vehicle.actuators import ServoStep, Steering
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Motion
@@ -173,17 +173,19 @@ def survey(
     delay: int,
     tables: Tables,
     ceiling: Ceiling | None = None,
+    begin: Begin = RESTING,
 ) -> tuple[Road, SpeedPlan]:
     """Plan the speed and tabulate curve and plan; what is in ``tables`` already is shared.
 
-    A ``ceiling`` is one more limit of the speed over arc length, with its name.
+    A ``ceiling`` is one more limit of the speed over arc length, with its name; ``begin`` says where the
+    robot begins, and how fast.
 
     Raises:
         InvalidInput: Limits that contradict each other.
-        NoSolution: The robot cannot follow the curve.
+        NoSolution: The robot cannot follow the curve, or begins too fast.
     """
-    task = (curve, robot, limits, ceiling)
-    plan = tables.once(task, lambda: plan_speed(*task))
+    task = (begin, curve, robot, limits, ceiling)
+    plan = tables.once(task, lambda: plan_from(*task))
     profile = tables.once((*task, "profile"), lambda: plan.table(tables))
     cells = max(CELLS, math.ceil(curve.length / FINEST))
     beyond = BEYOND + 2.0 * robot.wheelbase
