@@ -353,11 +353,10 @@ def init(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files."""
-    import json
-
+    from osculate.strict_json import strict_json
     from osculate.study.scenario import Scenario
 
-    out.print_json(json.dumps(Scenario.model_json_schema()))
+    out.print_json(strict_json(Scenario.model_json_schema()))
 
 
 def _names(text: str) -> list[str]:

@@ -1,6 +1,5 @@
 """Records as labelled data: xarray in memory, netCDF on disk."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from osculate.simulation.loop import Setup
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.variables import BY_NAME
+from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
     import xarray
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def attributes(setup: Setup) -> dict[str, str]:
     """The global attributes of a record: what was run, as JSON a scenario file could hold."""
-    return {"source": "osculate", "setup": json.dumps(plain_parts(setup))}
+    return {"source": "osculate", "setup": strict_json(plain_parts(setup))}
 
 
 def plain_parts(setup: Setup) -> dict[str, Any]:

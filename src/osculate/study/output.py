@@ -1,12 +1,12 @@
 """Everything that a run leaves behind in a folder."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from osculate.errors import InvalidInput
 from osculate.simulation.metrics import Metrics
+from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
     from osculate.simulation import Run
@@ -62,11 +62,11 @@ def _write_metrics(run: "Run", path: Path) -> Path:
     values = run.metrics.as_dict()
     units = {name: unit for name, unit, _ in Metrics.items()}
     content = {**values, "message": run.message, "units": units}
-    path.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
     return path
 
 
 def _write_scenario(scenario: "Scenario", path: Path) -> Path:
     fields = scenario.model_dump(mode="json")
-    path.write_text(json.dumps(fields, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(strict_json(fields, indent=2) + "\n", encoding="utf-8")
     return path

@@ -1,7 +1,6 @@
 """Controllers × curves × speeds × starts × conditions, in lanes: one cell for every combination."""
 
 import itertools
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from osculate.curve import Curve
 from osculate.errors import InvalidInput
 from osculate.plant import Mujoco, world_of
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
+from osculate.strict_json import strict_json
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
 from osculate.target import Limits, plan_speed
@@ -122,7 +122,7 @@ class Comparison:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             record = folder / "comparison.json"
-            text = json.dumps(self.cells, indent=1, ensure_ascii=False)
+            text = strict_json(self.cells, indent=1)
             record.write_text(text + "\n", encoding="utf-8")
             figures = write_figures(self, folder)
             page = write_page(self, folder / "comparison.html", figures)

@@ -1,7 +1,6 @@
 """Tuning a controller on training curves by CMA-ES (Hansen's ``cma``), a population at a time in lanes."""
 
 import itertools
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from osculate.curve import Curve
 from osculate.errors import InvalidInput, MissingExtra
 from osculate.plant import Actuated
 from osculate.simulation import InitialState, Sampled, simulate_batch
+from osculate.strict_json import strict_json
 from osculate.study.comparison.compare import OFF_ROAD, PATIENCE
 from osculate.study.comparison.suite import training_curves
 from osculate.target import Limits, plan_speed
@@ -50,7 +50,7 @@ class Tuning:
         }
         target = Path(path)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        target.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
         return target
 
 
