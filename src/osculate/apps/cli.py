@@ -74,6 +74,8 @@ def run(
     """Run a scenario: obstacle, curve, speed target, controllers, simulation, report."""
     from osculate.study.scenario import Scenario
 
+    if animate and not output:
+        raise InvalidInput("animate", animate, "goes into the output folder: give --output as well")
     _check_film(video, view)
     chosen = Scenario.load(scenario)
     if plant:
@@ -250,11 +252,18 @@ def compare(
         ),
     ] = "",
     suite: Annotated[
-        str, typer.Option(help="ideal, or reality: noise, slip, MuJoCo and every fault.")
-    ] = "ideal",
+        str,
+        typer.Option(
+            help="ideal (the default), or reality: noise, slip, MuJoCo and every fault. Instead of "
+            "--plants."
+        ),
+    ] = "",
     draws: Annotated[
-        int, typer.Option(min=1, help="Runs of every combination that has random numbers.")
-    ] = 3,
+        int | None,
+        typer.Option(
+            min=1, help="Runs of every combination that has random numbers; 3 by default."
+        ),
+    ] = None,
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
     output: Annotated[
@@ -276,15 +285,21 @@ def compare(
     compiled = trackers_for(body)
     laws: dict[str, Any] = {**compiled, "nmpc": Nmpc()}
     chosen = {n: choose("controller", n, laws) for n in _names(controllers) or compiled}
+    if suite and plants:
+        raise InvalidInput(
+            "suite", suite, "names conditions, and so does --plants: give one of them"
+        )
+    states = conditions(_names(plants), suite or "ideal", body)
+    random = any(state.seeded for state in states.values())
     with progress("comparing") as report:
         result = run_comparison(
             chosen,
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts) or (["running"] if suite == "reality" else None)),
-            condition=conditions(_names(plants), suite, body),
+            condition=states,
             robot=body,
-            draws=draws,
+            draws=draws or (3 if random else 1),
             report=report,
         )
     _print_table(ranking_table(result))
@@ -306,7 +321,10 @@ def tune(
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
     generations: Annotated[int, typer.Option(min=1, help="Generations of the search.")] = 12,
-    population: Annotated[int, typer.Option(min=4, help="Controllers per generation.")] = 10,
+    population: Annotated[
+        int | None,
+        typer.Option(min=4, help="Controllers per generation; 10 by default, 8 if --quick."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=1, help="Seed of the search.")] = 1,
     quick: Annotated[
         bool,
@@ -324,8 +342,10 @@ def tune(
     from osculate.vehicle import vehicle_named
 
     law = choose("controller", controller, TRACKERS)
-    search: dict[str, Any] = {"population": population, **(quick_search() if quick else {})}
-    if curves:
+    search: dict[str, Any] = quick_search() if quick else {}
+    if population is not None:
+        search["population"] = population
+    if curves or scale != 1.0:
         search["on"] = known_curves(_names(curves), scale)
     with progress(f"tuning {controller}") as report:
         result = run_tuning(

@@ -7,7 +7,7 @@ steering servo is a position actuator on a joint with armature, the motors act t
 
 import math
 from importlib import import_module
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Mujoco(ActuatedPlant):
     """The robot simulated by MuJoCo (extra ``mujoco``), one run at a time."""
 
     kind: Literal["mujoco"] = "mujoco"
+    feels: ClassVar[frozenset[str]] = frozenset({"acceleration", "yaw_acceleration", "aside"})
     friction: float = quantity("1", "friction of tyres on the floor", default=1.0, gt=0)
     softness: float = quantity(
         "s", "time constant of the contacts; two steps or more", default=0.002, gt=0

@@ -84,13 +84,21 @@ class Scenario(Spec):
     def on(self, plant: str) -> "Scenario":
         """The same scenario on another plant: ``actuated``, ``slip`` or ``mujoco``.
 
+        What the scenario says of its own plant (payload, friction, ...) holds on the other as well.
+
         Raises:
-            InvalidInput: No such plant.
+            InvalidInput: No such plant, or one that has not what the scenario's plant is given.
         """
-        plants: dict[str, AnyPlant] = {
-            "actuated": Actuated(), "slip": Slip(), "mujoco": Mujoco(),
+        plants: dict[str, type[Actuated | Slip | Mujoco]] = {
+            "actuated": Actuated, "slip": Slip, "mujoco": Mujoco,
         }  # fmt: skip
-        return self.but(plant=choose("plant", plant, plants))
+        kind = choose("plant", plant, plants)
+        given = self.plant.model_dump(exclude_defaults=True, exclude={"kind"})
+        for name, value in given.items():
+            if name not in kind.model_fields:
+                message = f"does not fit the plant {plant}, which has no {name}"
+                raise InvalidInput(f"plant.{name}", value, message)
+        return self.but(plant=kind(**given))
 
     @cached_property
     def parts(self) -> dict[str, Any]:
