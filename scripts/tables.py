@@ -99,14 +99,15 @@ def place(task: Task, folder: Path, code: str) -> Path:
 def work(task: Task, target: Path) -> None:
     """Run a task and keep its cells; the file appears whole or not at all."""
     robot = vehicle_named(task.robot)
+    chosen = conditions([task.condition], robot=robot)
     found = compare(
         {task.tracker: trackers_for(robot)[task.tracker]},
         curves(task.curves),
         speeds=task.speeds,
         start=_starts(task.condition),
-        condition=conditions([task.condition], robot=robot),
+        condition=chosen,
         robot=robot,
-        draws=task.draws,
+        draws=task.draws if chosen[task.condition].seeded else 1,
     )
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}")

@@ -47,6 +47,16 @@ class InvalidScenario(OsculateError, ValueError):
         self.problems = problems
 
 
+def require_kind(field: str, value: object, kind: type) -> None:
+    """Refuse a part that is of another kind than its place.
+
+    Raises:
+        InvalidInput: Names the kind.
+    """
+    if not isinstance(value, kind):
+        raise InvalidInput(field, value, f"must be a {kind.__name__}")
+
+
 def choose(field: str, name: str, known: Mapping[str, T]) -> T:
     """What ``name`` stands for among ``known``.
 

@@ -100,6 +100,8 @@ def test_init_run_and_curve_lead_from_nothing_to_a_report(tmp_path):
     osculate("init", scenario)
     done = osculate("run", scenario, "--output", tmp_path / "out")
     assert "reached the end of the path" in done.stdout
+    counted = json.loads((tmp_path / "out" / "metrics.json").read_text())
+    assert counted["cross_track_max"] < 1e-5  # not the start, 0.1 m off
     assert "<h2>Speed plan</h2>" in (tmp_path / "out" / "report.html").read_text()
     shown = osculate("curve", scenario, "--output", tmp_path)
     assert "tightest place" in shown.stdout

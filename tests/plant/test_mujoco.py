@@ -13,10 +13,12 @@ from osculate import (
     Limits,
     Mujoco,
     Sampled,
+    Sensors,
     Tricycle,
     compare,
     simulate,
     simulate_batch,
+    variable_names,
     vehicle_named,
 )
 from osculate.control.contract import Start
@@ -110,12 +112,33 @@ def test_a_run_is_like_every_run(tmp_path):
     assert run.metrics.duration == pytest.approx(ours.metrics.duration, abs=0.05)
 
 
+@pytest.mark.parametrize("seen", [{}, {"sensors": Sensors()}], ids=["exact", "noisy"])
+def test_the_heading_goes_on_over_several_turns(seen):
+    """Twice around: record, target and estimate turn as those of our own plant do."""
+    circle = Arc(radius=0.7, angle=-4.0 * np.pi)
+    clock, limits = Sampled(period=0.01, delay=0.01, duration=20.0), Limits(speed=1.0)
+    theirs, ours = (
+        simulate(circle, plant=p, controller=CurvatureTracker(), clock=clock, limits=limits, **seen)
+        for p in (Mujoco(), Actuated())
+    )
+    assert theirs.metrics.ended == "path end"
+    assert theirs.metrics.heading_error_max < 0.05
+    names = ["heading", "target_heading", *(["estimated_heading"] if seen else [])]
+    for name in names:
+        turned = theirs.columns[name]
+        assert np.abs(np.diff(turned[1:])).max() < 0.05, name
+        assert turned[-1] - turned[1] == pytest.approx(-4.0 * np.pi, abs=0.05), name
+    assert theirs.columns["heading"][-1] == pytest.approx(ours.columns["heading"][-1], abs=0.02)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda parts: simulate(CURVES["corner"], **parts, clock=Continuous()), "must be Sampled"),
         (lambda parts: simulate(Arc(radius=2, angle=1), plant=Mujoco()), "must be a path tracker"),
         (lambda parts: simulate_batch(CURVES["corner"], runs=2, clock=CLOCK, **parts), "one robot"),
+        (lambda parts: simulate_batch(CURVES["corner"], runs=2, plant=Mujoco()), "one robot at a"),
+        (lambda parts: variable_names(CURVES["corner"], plant=Mujoco()), "one robot at a time"),
     ],
 )
 def test_what_does_not_fit_is_explained(call, message):

@@ -92,9 +92,9 @@ ASSEMBLY = """
     from osculate import *
     from osculate.simulation.blocks import run_block
     from osculate.simulation.loop import Setup, close_loop
-    from osculate.simulation.batch import LANES, _Columns
+    from osculate.simulation.columns import LANES, Columns
     loop = close_loop(Setup(Cycloid.over(), clock=Continuous(duration=0.01)))
-    columns = _Columns([loop], {}, LANES)
+    columns = Columns([loop], {}, LANES)
     run_block(loop, columns.block(0))
     (text,) = loop.engine(LANES).run_block.inspect_asm().values()
     print(text)
@@ -192,7 +192,10 @@ def test_progress_and_labels():
         ({"vary": {"mass": [1.0, 2.0]}}, r"vary\['mass'\] = 'mass': unknown; valid: .*control"),
         ({"runs": 3, "vary": {"delay": [0.0, 0.0]}}, "must have the length of"),
         ({"vary": {"delay": [[0.0]]}}, "must be one number for every run"),
-        ({"target": [Modified(), Projected()]}, "run 1 = 'Projected': must have the same kinds"),
+        (
+            {"target": [Modified(), Projected()]},
+            r"target \(run 1\) = Projected.*: needs other machine",
+        ),
     ],
 )
 def test_bad_batches_are_explained(arguments, message):

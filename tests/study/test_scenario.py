@@ -1,18 +1,25 @@
 """Scenario files: the same fields as the Python objects, and errors that say what to change."""
 
 import pytest
+from pydantic import TypeAdapter
 
 from osculate import (
+    Continuous,
     Cycloid,
     Disturbance,
     InvalidInput,
     InvalidScenario,
     NoSolution,
     Scenario,
+    Scene,
     Static,
     simulate,
 )
-from osculate.study.scenario import built_in
+from osculate.simulation.loop import Setup
+from osculate.simulation.run import make_setup
+from osculate.study.scenario import AnyController, built_in
+
+CONTROLLERS = TypeAdapter(AnyController).json_schema()["discriminator"]["mapping"]
 
 
 def write(folder, text):
@@ -37,6 +44,28 @@ def test_the_default_is_the_papers_experiment():
     assert Scenario.load("paper-disturbed").disturbance == Disturbance.external()
 
 
+@pytest.mark.parametrize("kind", CONTROLLERS)
+def test_files_and_python_have_the_same_defaults(tmp_path, kind):
+    text = f"curve: {{kind: line, distance: 2}}\ncontroller: {{kind: {kind}}}\n"
+    scenario = Scenario.load(write(tmp_path, text))
+    given = {"curve": scenario.curve, "robot": None, "parts": {"controller": scenario.controller}}
+    setup = make_setup(**given)
+    assert {name: getattr(scenario, name) for name in Setup._fields} == setup._asdict()
+    assert type(scenario.controller)() == scenario.controller
+    assert set(Scenario.model_fields) == {*Setup._fields, "name", "description", "scene"}
+
+
+def test_without_a_scene_there_is_no_obstacle(tmp_path):
+    path = write(tmp_path, "clock: {kind: continuous, duration: 0.01}")
+    there = Scenario.load(path).run()
+    here = simulate(Cycloid(), clock=Continuous(duration=0.01))
+    assert there.scene == here.scene == Scene()
+    assert there.metrics == here.metrics
+    assert there.metrics.clearance_min is None
+    for name in ("paper", "paper-static", "paper-disturbed"):
+        assert not Scenario.load(name).scene.is_empty
+
+
 def test_a_scenario_is_its_dump():
     scenario = Scenario.load("paper-static")
     assert isinstance(scenario.target, Static)
@@ -52,6 +81,8 @@ def test_the_cycloid_goes_over_the_first_wall(tmp_path):
         """,
     )
     assert Scenario.load(path).curve == Cycloid.over(8.0, 2.0, 0.5)
+    path = write(tmp_path, "scene: {obstacles: [{kind: wall, distance: 8.0, height: 2.0}]}")
+    assert Scenario.load(path).curve == Cycloid(distance=8.0, height=2.0)
 
 
 def test_running_a_scenario_is_calling_simulate():

@@ -82,6 +82,8 @@ def run(
     """
     from osculate.study.scenario import Scenario
 
+    if animate and not output:
+        raise InvalidInput("animate", animate, "goes into the output folder: give --output as well")
     _check_film(video, view)
     chosen = Scenario.load(scenario)
     if plant:
@@ -281,11 +283,18 @@ def compare(
         ),
     ] = "",
     suite: Annotated[
-        str, typer.Option(help="ideal, or reality: noise, slip, MuJoCo and every fault.")
-    ] = "ideal",
+        str,
+        typer.Option(
+            help="ideal (the default), or reality: noise, slip, MuJoCo and every fault. Instead of "
+            "--plants."
+        ),
+    ] = "",
     draws: Annotated[
-        int, typer.Option(min=1, help="Runs of every combination that has random numbers.")
-    ] = 3,
+        int | None,
+        typer.Option(
+            min=1, help="Runs of every combination that has random numbers; 3 by default."
+        ),
+    ] = None,
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
     output: Annotated[
@@ -307,15 +316,21 @@ def compare(
     compiled = trackers_for(body)
     laws: dict[str, Any] = {**compiled, "nmpc": Nmpc()}
     chosen = {n: choose("controller", n, laws) for n in _names(controllers) or compiled}
+    if suite and plants:
+        raise InvalidInput(
+            "suite", suite, "names conditions, and so does --plants: give one of them"
+        )
+    states = conditions(_names(plants), suite or "ideal", body)
+    random = any(state.seeded for state in states.values())
     with progress("comparing") as report:
         result = run_comparison(
             chosen,
             known_curves(_names(curves), scale),
             speeds=_numbers("speeds", speeds),
             start=known_starts(_names(starts) or (["running"] if suite == "reality" else None)),
-            condition=conditions(_names(plants), suite, body),
+            condition=states,
             robot=body,
-            draws=draws,
+            draws=draws or (3 if random else 1),
             report=report,
         )
     out.print(result.verdict, style="green" if result.reached else "bold red", soft_wrap=True)
@@ -338,7 +353,10 @@ def tune(
     robot: Annotated[str, typer.Option(help="A robot of the catalogue.")] = "paper",
     scale: Annotated[float, typer.Option(help="Factor on the coordinates of files.")] = 1.0,
     generations: Annotated[int, typer.Option(min=1, help="Generations of the search.")] = 12,
-    population: Annotated[int, typer.Option(min=4, help="Controllers per generation.")] = 10,
+    population: Annotated[
+        int | None,
+        typer.Option(min=4, help="Controllers per generation; 10 by default, 8 if --quick."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=1, help="Seed of the search.")] = 1,
     quick: Annotated[
         bool,
@@ -356,8 +374,10 @@ def tune(
     from osculate.vehicle import vehicle_named
 
     law = choose("controller", controller, TRACKERS)
-    search: dict[str, Any] = {"population": population, **(quick_search() if quick else {})}
-    if curves:
+    search: dict[str, Any] = quick_search() if quick else {}
+    if population is not None:
+        search["population"] = population
+    if curves or scale != 1.0:
         search["on"] = known_curves(_names(curves), scale)
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
@@ -385,11 +405,10 @@ def init(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of scenario files."""
-    import json
-
+    from osculate.strict_json import strict_json
     from osculate.study.scenario import Scenario
 
-    out.print_json(json.dumps(Scenario.model_json_schema()))
+    out.print_json(strict_json(Scenario.model_json_schema()))
 
 
 def _names(text: str) -> list[str]:

@@ -18,7 +18,7 @@ from osculate.control.safety import Safety, foresee
 from osculate.control.tracking.contract import PathTracker, TrackingMemory, survey
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import Tables, compose, leaves, rebuild, zeros
 from osculate.target.speed import Begin, Limits
 from osculate.vehicle.measurement import NO_FIX, Fix, Measurement
@@ -27,6 +27,11 @@ from osculate.vehicle.tricycle import Tricycle
 
 STANDING = 0.02  # m/s, below which a robot may be reset
 NEARBY = 2000  # places of the curve at which a reset looks for the nearest
+#: Parts and their kinds.
+PARTS = {
+    "law": PathTracker, "curve": Curve, "robot": Tricycle, "limits": Limits, "estimator": Ekf,
+    "safety": Safety,
+}  # fmt: skip
 NOTHING = Measurement(math.nan, math.nan, math.nan, math.nan, NO_FIX)
 
 
@@ -52,7 +57,8 @@ class Stepper:
             nowhere, or without a safety layer.
 
     Raises:
-        InvalidInput: A period that is not positive, or a delay that is not a multiple of it.
+        InvalidInput: A period that is not positive, a delay that is not a multiple of it, a motion that is
+            not finite, a place that is not on the curve, or a part of another kind.
         NoSolution: The robot cannot follow the curve, or moves too fast where it is.
     """
 
@@ -71,18 +77,25 @@ class Stepper:
         safety: Safety | None = None,
     ) -> None:
         slots = _slots(period, delay)
+        robot = Tricycle() if robot is None else robot
+        limits = Limits() if limits is None else limits
+        parts = (law, curve, robot, limits, estimator, safety)
+        for (name, kind), given in zip(PARTS.items(), parts, strict=True):
+            if given is not None or name in ("law", "curve"):
+                require_kind(name, given, kind)
         if isinstance(law, ExternalTracker):
             raise InvalidInput(
                 "law", type(law).__name__, "decides in Python itself; call its decider"
             )
         tables = Tables()
-        task = (curve, robot or Tricycle(), limits or Limits(), period, slots)
+        task = (curve, robot, limits, period, slots)
         foreseen, ceiling = foresee(safety, *task)
         begin = Begin(progress, 0.0 if motion is None else motion.speed)
         self._road, self.plan = survey(*task, tables, ceiling, begin)
         self._law, self._curve, self._estimator, self._safety = law, curve, estimator, safety
         self.caution = foreseen.caution(self.plan) if foreseen else None
         self.length, self.table = curve.length, self._road.curve
+        _require_start(motion, progress, self.length)
         part = self._part(motion, progress)
         self._like: Any = part.memory
         shape = {"LIKE": zeros(part.memory), "LIKE_PARAMETERS": zeros(part.parameters)}
@@ -140,9 +153,8 @@ class Stepper:
         if abs(speed) > STANDING:
             message = "the robot moves; it can be reset once it stands"
             raise InvalidInput("speed", f"{speed:.3g} m/s", message)
-        motion = motion or self.memory.expected
-        if not np.isfinite(motion).all():
-            raise InvalidInput("motion", motion, "must be finite")
+        motion = self.memory.expected if motion is None else motion
+        _require_start(motion, progress or 0.0, self.length)
         if abs(motion.speed) > STANDING:
             raise InvalidInput(
                 "motion.speed", motion.speed, "must be 0 (m/s): the robot must stand"
@@ -235,6 +247,16 @@ class Stepper:
         away = np.hypot(point.x - motion.x, point.y - motion.y)
         ahead = np.cos(point.heading - motion.heading) > 0.0
         return float(s[np.where(ahead | ~ahead.any(), away, np.inf).argmin()])
+
+
+def _require_start(motion: Motion | None, progress: float, length: float) -> None:
+    """Refuse a motion that is none, and a place beyond the curve."""
+    if motion is not None:
+        require_kind("motion", motion, Motion)
+        if not np.isfinite(motion).all():
+            raise InvalidInput("motion", motion, "must be finite")
+    if not 0.0 <= progress <= length:
+        raise InvalidInput("progress", progress, f"must be on the curve, from 0 to {length:.6g} m")
 
 
 def _slots(period: float, delay: float) -> int:

@@ -4,7 +4,7 @@
 torque difference does nothing: given the steering it is what the differential leaves (erratum 3).
 """
 
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from osculate.control.contract import Start
 from osculate.kernel import kernel
@@ -122,6 +122,7 @@ class Actuated(ActuatedPlant):
     """The robot with its actuators, rolling without slip."""
 
     kind: Literal["actuated"] = "actuated"
+    feels: ClassVar[frozenset[str]] = frozenset({"acceleration", "yaw_rate"})
 
     def part(self, robot: Tricycle, start: Start) -> PlantPart:
         """See `Plant.part`."""

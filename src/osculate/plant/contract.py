@@ -3,7 +3,7 @@
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from osculate.control.contract import Start
 from osculate.spec import Spec
@@ -33,6 +33,9 @@ class PlantPart:
 
 class Plant(Spec):
     """A robot's equations of motion."""
+
+    feels: ClassVar[frozenset[str]] = frozenset(Push._fields)  # what of a push can move it
+    starts_turning: ClassVar[bool] = False  # whether a yaw rate is a state of its own at the start
 
     def model(self, robot: Tricycle) -> ReducedModel:
         """The reduced model that a law may assume for this plant."""

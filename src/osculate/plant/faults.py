@@ -23,6 +23,7 @@ SILENT = Outage(math.inf, math.inf)
 HEARD = Outages(SILENT, SILENT, SILENT, SILENT)
 #: Actuators that do what they are told.
 WELL = Impairment(math.inf, math.inf, 1.0, math.inf, 1.0)
+REMEDY = "must act along the robot, or on the plant Slip(...) or Mujoco(...)"
 STREAMS = 16  # random streams below this one belong to sensors
 
 
@@ -56,8 +57,21 @@ class World:
                 raise InvalidInput("faults", fault, message)
         return replace(self, plant=self.plant.but(**fields))
 
-    def with_blow(self, blow: Blow) -> "World":
-        """The world with one more push, which gets random numbers of its own."""
+    def with_blow(self, fault: "Fault", blow: Blow) -> "World":
+        """The world with one more push, which gets random numbers of its own.
+
+        Raises:
+            InvalidInput: A push that this plant cannot feel, or a part of one that was asked for.
+        """
+        felt, kind = self.plant.feels, type(self.plant).__name__
+        unfelt = {"aside": "aside" not in felt, "yaw": "yaw_acceleration" not in felt}
+        for name, lost in unfelt.items():
+            if lost and name in fault.model_fields_set and getattr(fault, name) != 0.0:
+                raise InvalidInput(
+                    "faults", fault, f"{name} moves nothing on the plant {kind}; {REMEDY}"
+                )
+        if blow.along == blow.x == blow.y == 0.0 and all(unfelt.values()):
+            raise InvalidInput("faults", fault, f"moves nothing on the plant {kind}; {REMEDY}")
         stream = float(STREAMS + len(self.blows))
         return replace(self, blows=(*self.blows, blow._replace(stream=stream)))
 
@@ -140,7 +154,7 @@ class Slope(Fault):
         """See `Fault.on`."""
         pull = self.gravity * self.grade / math.hypot(1.0, self.grade)
         x, y = -pull * math.cos(self.direction), -pull * math.sin(self.direction)
-        return world.with_blow(STILL._replace(end=math.inf, x=x, y=y))
+        return world.with_blow(self, STILL._replace(end=math.inf, x=x, y=y))
 
 
 class Gusts(Fault):
@@ -159,7 +173,7 @@ class Gusts(Fault):
             end=math.inf, along=self.along, aside=self.aside, yaw=self.yaw, time=self.time,
             seed=float(self.seed),
         )  # fmt: skip
-        return world.with_blow(blow)
+        return world.with_blow(self, blow)
 
 
 class Shove(Fault):
@@ -178,7 +192,7 @@ class Shove(Fault):
             begin=self.time, end=self.time + self.duration, along=self.along, aside=self.aside,
             yaw=self.yaw,
         )  # fmt: skip
-        return world.with_blow(blow)
+        return world.with_blow(self, blow)
 
 
 class FrictionPatch(Fault):

@@ -5,8 +5,9 @@ one point each and roll by friction, so that the no-slip constraints are not ass
 steering servo is a position actuator on a joint with armature, the motors act through the same lag.
 """
 
+import math
 from importlib import import_module
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -28,6 +29,7 @@ class Mujoco(ActuatedPlant):
     """The robot simulated by MuJoCo (extra ``mujoco``), one run at a time."""
 
     kind: Literal["mujoco"] = "mujoco"
+    feels: ClassVar[frozenset[str]] = frozenset({"acceleration", "yaw_acceleration", "aside"})
     friction: float = quantity("1", "friction of tyres on the floor", default=1.0, gt=0)
     softness: float = quantity(
         "s", "time constant of the contacts; two steps or more", default=0.002, gt=0
@@ -74,6 +76,7 @@ class MujocoRobot:
         self._spins = [int(self.model.joint(name).dofadr[0]) for name in WHEELS]
         self._tyres = [int(self.model.geom(f"{name} tyre").id) for name in WHEELS]
         self._steering = int(self.model.joint("steering").qposadr[0])
+        self._heading = start.heading  # rad, of the last step: what the next one goes on from
         half = 0.5 * start.heading
         self.data.qpos[:7] = [
             start.x,
@@ -100,9 +103,13 @@ class MujocoRobot:
         self._mujoco.mj_forward(self.model, self.data)
 
     def measure(self) -> Motion:
-        """Pose of O, its speed as the wheels' encoders see it, and the servo's angle."""
+        """Pose of O, its speed as the wheels' encoders see it, and the servo's angle.
+
+        The heading goes on beyond half a turn, as that of every plant does.
+        """
         q, v = self.data.qpos, self.data.qvel
-        heading = 2.0 * float(np.arctan2(q[6], q[3]))
+        turned = 2.0 * float(np.arctan2(q[6], q[3])) - self._heading
+        heading = self._heading + math.remainder(turned, 2.0 * math.pi)
         speed = float(v[0] * np.cos(heading) + v[1] * np.sin(heading)) * self._plant.odometry
         angle = float(q[self._steering]) - self._plant.steering_offset
         return Motion(float(q[0]), float(q[1]), heading, speed, float(v[5]), angle)
@@ -138,6 +145,7 @@ class MujocoRobot:
         if self._plant.patches:
             self._stand_on_patches()
         self._mujoco.mj_step(self.model, self.data)
+        self._heading = self.measure().heading
 
     def _apply_brake(self, command: float) -> None:
         """Dry friction on the drive wheels' axles: it slows them down, and holds them."""

@@ -1,6 +1,6 @@
 """The paper's plant, eq. (16): a robot whose steering follows perfectly."""
 
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from osculate.control.contract import Start
 from osculate.kernel import kernel
@@ -74,6 +74,8 @@ class Reduced(Plant):
     """The reduced dynamics, eq. (16): corrected, or with the coefficient as the paper prints it."""
 
     kind: Literal["reduced"] = "reduced"
+    feels: ClassVar[frozenset[str]] = frozenset({"acceleration", "yaw_acceleration", "yaw_rate"})
+    starts_turning: ClassVar[bool] = True
     form: Literal["corrected", "printed"] = "corrected"
 
     def model(self, robot: Tricycle) -> ReducedModel:

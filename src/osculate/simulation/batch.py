@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,27 +11,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from osculate.errors import InvalidInput
-from osculate.kernel import Tables, names
+from osculate.kernel import leaves
 from osculate.scene import Scene
+from osculate.simulation.alike import close_alike
 from osculate.simulation.blocks import (
-    Block,
     Finished,
     Report,
     final_run,
     last_row,
     run_block,
-    single_block,
 )
+from osculate.simulation.columns import LANES, Columns, places_of
 from osculate.simulation.hits import HitWatch
 from osculate.simulation.loop import Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
 from osculate.simulation.run import make_setup
-from osculate.simulation.size import longest, require_size
-from osculate.simulation.variables import Variable, variables_of
+from osculate.simulation.size import longest, require_callable, require_size, require_whole
+from osculate.simulation.variables import RATES, Variable, variables_of
 from osculate.simulation.verdict import Hit, Outcome, Verdict
 
-LANES = 64  # runs side by side in one block
+RESOLUTION = 1e-9  # s, within which two times are the same
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Batch:
         varied: What differed: name to values, shape (runs,).
         metrics: Metrics whose entries have shape (runs,).
         time: Times of the recorded steps (s), shape (rows,); empty without a record.
-        record: Shape (runs, rows, variables); after a run's end its last values are repeated. Empty
-            without a record.
+        record: Shape (runs, rows, variables). Once a run has ended its record stands still: where it
+            ended, with speeds, targets, torques and errors of speed 0. Empty without a record.
         variables: What the record holds, in order.
         outcomes: How the runs went and ended; leaves of shape (runs,).
         hits: The first contact of every run with an obstacle.
@@ -86,8 +86,9 @@ def simulate_batch(
 ) -> Batch:
     """Run many closed loops that are made of the same kinds of parts.
 
-    Any argument may be a list of objects of one kind, one for every run. Single numbers are varied
-    faster by name, without building an object for each: `variable_names` lists what there is.
+    Any argument but the clock may be a list of objects, one for every run. They must be of one kind, since
+    all runs share their machine code; numbers of pushes and patches, delays, latencies may differ. Single
+    numbers are varied faster by name, without an object for each: `variable_names` lists what there is.
 
     Args:
         curve: A curve, or a list of curves.
@@ -95,22 +96,28 @@ def simulate_batch(
         runs: How many runs; needed only if no list and no array says so.
         vary: Name of a kernel parameter or initial value to values, shape (runs,).
         scene: Obstacles, for hits, and a corridor, for all runs; with obstacles every step is looked at.
-        record_every: Keep every this many steps of all runs; 0 keeps metrics only.
+        record_every: Keep every this many steps of all runs, the first one included; 0 keeps metrics only.
         threads: Threads that work on blocks of lanes; by default all processors.
         report: Called with the fraction of the runs that are done.
         **parts: As for `simulate`; each may be a list.
 
     Raises:
-        InvalidInput: Lengths that differ, names that do not exist, parts of different kinds.
+        InvalidInput: Lengths that differ, names that do not exist, parts of different kinds (names the part
+            and the run), MuJoCo or a law from Python, which run one robot at a time.
     """
+    require_callable(report)
+    for name, value in (("runs", runs), ("threads", threads)):
+        if value is not None:
+            require_whole(name, value, 1)
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
     varied = {name: np.asarray(values, dtype=float) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
     around = scene or Scene()
     loops = [in_corridor(loop, around) for loop in _close_loops(given, count)]
-    columns = _Columns(loops, varied, count)
+    columns = Columns(loops, varied, count)
     first = loops[0]
     clock = first.setup.clock
+    require_whole("record_every", record_every, 0, clock.steps)
     rows = longest(clock, first.plan) / clock.step / record_every if record_every else 0.0
     kept = size(first.initial) + (rows + 1.0) * size(first.row)
     require_size("runs", count, count * kept, f"{count:.3g} runs with {rows:.3g} rows each")
@@ -138,23 +145,11 @@ def simulate_batch(
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
     """Names that ``vary`` of `simulate_batch` accepts for these parts."""
     loop = close_loop(make_setup(curve, robot, parts))
-    return sorted(_places(loop))
-
-
-def _places(loop: Loop) -> dict[str, list[tuple[int, int]]]:
-    """Name of a number to where a `Block` holds it: which of its arrays, and the row."""
-    places: dict[str, list[tuple[int, int]]] = {}
-    for array, value in ((1, loop.parameters), (3, loop.thought)):
-        for row, name in enumerate(names(value)):
-            if name.rpartition(".")[2] != "zero":
-                places.setdefault(name, []).append((array, row))
-    for row, name in enumerate(names(loop.initial.state)):
-        places[f"initial.{name}"] = [(0, row)]
-    return places
+    return sorted(places_of(loop))
 
 
 def _run(
-    loop: Loop, columns: "_Columns", start: int, every: int, scene: Scene
+    loop: Loop, columns: Columns, start: int, every: int, scene: Scene
 ) -> tuple[Finished, list[Hit | None]]:
     """The block of the lanes from run ``start``, and what its runs touch."""
     setups = [columns.loop(n).setup for n in range(start, min(start + LANES, columns.count))]
@@ -182,8 +177,7 @@ def _count(
     for other, length in lengths.items():
         if length != count:
             raise InvalidInput(other, length, f"must have the length of {name}, {count}")
-    if count < 1:
-        raise InvalidInput(name, count, "must be at least 1")
+    require_whole(name, count, 1)
     return count
 
 
@@ -195,71 +189,17 @@ def _is_list(name: str, value: Any) -> bool:
 
 
 def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
-    """One loop if no argument is a list, else one for every run, all in the same tables."""
+    """One loop if no argument is a list, else one for every run, all of one kind and shape."""
     several = count if any(_is_list(name, v) for name, v in given.items()) else 1
-    tables = Tables()
-    loops = []
+    setups = []
     for n in range(several):
         here = {name: v[n] if _is_list(name, v) else v for name, v in given.items()}
-        setup = make_setup(here.pop("curve"), here.pop("robot", None), here)
-        loops.append(close_loop(setup, tables))
-        if loops[n].decide is not None:
-            raise InvalidInput(
-                "controller", setup.controller, "decides in Python; use simulate, one run at a time"
-            )
-        if loops[n].bindings != loops[0].bindings or setup.clock != loops[0].setup.clock:
-            raise InvalidInput(
-                f"run {n}",
-                type(setup.target).__name__,
-                "must have the same kinds of parts and clock as run 0",
-            )
-    whole = tables.array
-    return [replace(loop, tables=whole) for loop in loops]
-
-
-class _Columns:
-    """The initial runs and parameters of any block, without holding all of them."""
-
-    def __init__(
-        self, loops: list[Loop], varied: Mapping[str, NDArray[np.float64]], count: int
-    ) -> None:
-        self.count, self.loops = count, loops
-        self.places = _places(loops[0])
-        for name in varied:
-            if name not in self.places:
-                raise InvalidInput(
-                    f"vary[{name!r}]", name, f"unknown; valid: {', '.join(sorted(self.places))}"
-                )
-        self.varied = {n: np.broadcast_to(v, (count,)) for n, v in varied.items()}
-
-    def loop(self, run: int) -> Loop:
-        """The closed loop of a run."""
-        return self.loops[run if len(self.loops) > 1 else 0]
-
-    def path(self, scene: Scene) -> dict[str, Any]:
-        """What `outcomes` has to know of all paths, laws and corridors, each of shape (runs,)."""
-        each = [path_of(loop, scene) for loop in self.loops]
-        known = {name: np.array([path[name] for path in each]) for name in each[0]}
-        if "events.half_width" in self.varied:
-            known["half_width"] = self.varied["events.half_width"]
-        return known
-
-    def block(self, start: int) -> Block:
-        """The runs of the lanes from run ``start``; the last one is repeated."""
-        index = np.minimum(np.arange(start, start + LANES), self.count - 1)
-        if len(self.loops) == 1:
-            block = Block(*(np.repeat(a, LANES, axis=1) for a in single_block(self.loops[0])))
-        else:
-            columns = [single_block(self.loops[i]) for i in index]
-            block = Block(*(np.hstack(parts) for parts in zip(*columns, strict=True)))
-        for name, values in self.varied.items():
-            for array, row in self.places[name]:
-                block[array][row] = values[index]
-        return block
+        setups.append(make_setup(here.pop("curve"), here.pop("robot", None), here))
+    return close_alike(setups)
 
 
 def _collect(
-    columns: _Columns,
+    columns: Columns,
     pieces: list[tuple[Any, Any, NDArray[np.float64]]],
     every: int,
     scene: Scene,
@@ -278,17 +218,52 @@ def _collect(
     time = np.arange(rows) * (clock.step * every)
     variables = variables_of(loop.row)
     record = record[..., : len(variables)]
-    ends = outcomes(final, last, **columns.path(scene))
+    latest = np.stack([*leaves(last)], axis=-1)[:, : len(variables)]
+    _stand_still(record, time, final.status.time, latest, variables)
+    went = outcomes(final, last, **_paths(columns, scene))
     varied = dict(columns.varied)
-    return Batch(loop.setup, varied, metrics, time, record, variables, ends, tuple(hits))
+    return Batch(loop.setup, varied, metrics, time, record, variables, went, tuple(hits))
+
+
+def _paths(columns: Columns, scene: Scene) -> dict[str, Any]:
+    """What `outcomes` has to know of all paths, laws and corridors, each of shape (runs,)."""
+    each = [path_of(loop, scene) for loop in columns.loops]
+    known = {name: np.array([path[name] for path in each]) for name in each[0]}
+    if "events.half_width" in columns.varied:
+        known["half_width"] = columns.varied["events.half_width"]
+    return known
 
 
 def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
-    """Repeat the last row of a block that ended early."""
+    """As many rows as the longest block; those that are missing repeat the last one."""
     missing = rows - record.shape[1]
     if missing == 0:
         return record
     return np.concatenate([record, np.repeat(record[:, -1:], missing, axis=1)], axis=1)
+
+
+def _stand_still(
+    record: NDArray[np.float64],
+    time: NDArray[np.float64],
+    ends: Any,
+    last: NDArray[np.float64],
+    variables: tuple[Variable, ...],
+) -> None:
+    """Hold every run where it ended: its last row, and after that one the same at rest.
+
+    Args:
+        record: Shape (runs, rows, variables), overwritten.
+        time: Times of the rows (s), shape (rows,).
+        ends: When the runs ended (s), shape (runs,).
+        last: Their rows at that time, shape (runs, variables).
+        variables: What the columns are.
+    """
+    resting = np.where([v.name in RATES for v in variables], 0.0, last)
+    late = time - np.asarray(ends)[:, None]  # s, since the end
+    for rows, here in ((resting, late > RESOLUTION), (last, np.abs(late) <= RESOLUTION)):
+        run, row = np.nonzero(here)
+        record[run, row] = rows[run]
+        record[run, row, 0] = time[row]
 
 
 __all__ = ["LANES", "Batch", "simulate_batch", "variable_names"]

@@ -1,6 +1,5 @@
 """Records as labelled data: xarray in memory, netCDF on disk."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ from osculate.simulation.loop import Setup
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.variables import BY_NAME
 from osculate.simulation.verdict import Verdict
+from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
     import xarray
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def attributes(setup: Setup) -> dict[str, str]:
     """The global attributes of a record: what was run, as JSON a scenario file could hold."""
-    return {"source": "osculate", "setup": json.dumps(plain_parts(setup))}
+    return {"source": "osculate", "setup": strict_json(plain_parts(setup))}
 
 
 def verdict_labels(verdict: Verdict) -> dict[str, str]:
@@ -28,7 +28,7 @@ def verdict_labels(verdict: Verdict) -> dict[str, str]:
     return {
         "verdict": str(verdict.kind),
         "ended": verdict.sentence,
-        "verdict_details": json.dumps(verdict.as_dict(), ensure_ascii=False),
+        "verdict_details": strict_json(verdict.as_dict()),
     }
 
 

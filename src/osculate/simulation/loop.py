@@ -234,6 +234,8 @@ def close_loop(setup: Setup, tables: Tables | None = None) -> Loop:
         NoSolution: The robot cannot follow the curve.
     """
     tables = tables or Tables()
+    if isinstance(setup.plant, Mujoco):
+        raise InvalidInput("plant", setup.plant, "runs one robot at a time; use simulate")
     if isinstance(setup.controller, PathTracker):
         return _close_tracking(setup, setup.controller, tables)
     return _close_target(setup, tables)
@@ -263,8 +265,6 @@ def _close_target(setup: Setup, tables: Tables) -> Loop:
 
 def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     """A law that follows the curve itself at the speeds of a plan."""
-    if isinstance(setup.plant, Mujoco):
-        raise InvalidInput("plant", setup.plant, "runs one robot at a time; use simulate")
     if isinstance(setup.plant, Reduced):
         raise InvalidInput(
             "plant", setup.plant, "a path tracker steers a servo; must be Actuated(...)"

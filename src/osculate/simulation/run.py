@@ -12,23 +12,18 @@ from numpy.typing import NDArray
 from osculate.control import Controller, Ekf, PathTracker, Safety
 from osculate.control.reasons import CAUSES, REASONS
 from osculate.curve import Curve
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, require_kind
 from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Sensors
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
+from osculate.simulation.effects import require_effect
 from osculate.simulation.hits import clearance_of, find_hit
-from osculate.simulation.loop import (
-    InitialState,
-    Loop,
-    Setup,
-    close_loop,
-    size,
-)
+from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
 from osculate.simulation.records import DIVERGED
-from osculate.simulation.size import longest, require_size, require_slots
+from osculate.simulation.size import longest, require_callable, require_size, require_slots
 from osculate.simulation.variables import variables_of
 from osculate.simulation.verdict import Verdict
 from osculate.target import Limits, SpeedPlan, Target
@@ -186,12 +181,15 @@ def simulate(
     Raises:
         InvalidInput: Parts that do not exist or do not fit each other.
     """
+    require_callable(report)
+    around = Scene() if scene is None else scene
+    require_kind("scene", around, Scene)
     setup = make_setup(curve, robot, parts)
     if isinstance(setup.plant, Mujoco):
         from osculate.simulation.physics import run_physics
 
-        return run_physics(setup, scene or Scene(), report)
-    return run_loop(close_loop(setup), scene or Scene(), report)
+        return run_physics(setup, around, report)
+    return run_loop(close_loop(setup), around, report)
 
 
 #: What a path tracker drives unless told otherwise: the actuated robot at 100 Hz, 10 ms late.
@@ -227,15 +225,13 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
     for name, value in named.items():
         if name not in Setup._fields:
             raise InvalidInput(name, value, f"unknown part; valid: {', '.join(defaults)}")
-        expected = PARTS[name]
         if name in OPTIONAL and value is None:
             continue
-        if not isinstance(value, expected):
-            raise InvalidInput(name, value, f"must be a {expected.__name__}")
+        require_kind(name, value, PARTS[name])
     for fault in named.get("faults", ()):
-        if not isinstance(fault, Fault):
-            raise InvalidInput("faults", fault, "must be a Fault")
+        require_kind("faults", fault, Fault)
     setup = Setup(**named)
+    require_effect(setup)
     require_slots(setup.clock, sum(f.delay for f in setup.faults if isinstance(f, Late)))
     return setup
 

@@ -1,5 +1,7 @@
 """How large a run is, before it begins: one sentence instead of a machine that runs out of memory."""
 
+from numbers import Integral
+
 from osculate.errors import InvalidInput
 from osculate.simulation.clock import Clock, Sampled
 from osculate.target import SpeedPlan
@@ -33,6 +35,29 @@ def require_size(field: str, value: object, numbers: float, what: str) -> None:
             field, value, f"would need {numbers / 1e6:.3g} M numbers ({what}; {8e-9 * numbers:.3g} GB), "
             f"at most {MOST_BYTES / 8e6:g} M fit: make it smaller",
         )  # fmt: skip
+
+
+def require_whole(field: str, value: object, least: int, most: int | None = None) -> None:
+    """Refuse what is no whole number, too small or too large.
+
+    Raises:
+        InvalidInput: Says what would be valid.
+    """
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if whole and least <= int(value) and (most is None or int(value) <= most):  # type: ignore[call-overload]
+        return
+    bound = f"at least {least}" if most is None else f"from {least} to {most}"
+    raise InvalidInput(field, value, f"must be {bound}, a whole number")
+
+
+def require_callable(report: object) -> None:
+    """Refuse what cannot be told how far a run is.
+
+    Raises:
+        InvalidInput: Neither None nor a function.
+    """
+    if report is not None and not callable(report):
+        raise InvalidInput("report", report, "must be a function of the fraction that is done")
 
 
 def require_slots(clock: Clock, added: float) -> None:

@@ -68,6 +68,14 @@ VARIABLES = {
     ),
 }
 
+#: Variables that are zero while a robot stands still and nothing is asked of it.
+RATES = frozenset(
+    {
+        "speed", "yaw_rate", "target_speed", "target_speed_drift", "target_speed_slaving",
+        "target_yaw_rate", "target_yaw_drift", "target_yaw_slaving", "torque_left", "torque_right",
+        "yaw_rate_error", "speed_error", "estimated_speed",
+    }
+)  # fmt: skip
 #: Every variable by its public name.
 BY_NAME = {variable.name: variable for variable in VARIABLES.values()}
 

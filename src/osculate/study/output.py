@@ -1,12 +1,12 @@
 """Everything that a run leaves behind in a folder."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from osculate.errors import InvalidInput
 from osculate.simulation.metrics import Metrics
+from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
     from osculate.simulation import Run, Verdict
@@ -71,7 +71,7 @@ def write_refusal(verdict: "Verdict", output: Path, scenario: "Scenario") -> Pat
 
     try:
         output.mkdir(parents=True, exist_ok=True)
-        content = json.dumps({"verdict": verdict.as_dict()}, indent=2, ensure_ascii=False)
+        content = strict_json({"verdict": verdict.as_dict()}, indent=2)
         (output / "metrics.json").write_text(content + "\n", encoding="utf-8")
         _write_scenario(scenario, output / "scenario.json")
         return write_refusal_report(verdict, scenario, output / "report.html")
@@ -83,11 +83,11 @@ def _write_metrics(run: "Run", path: Path) -> Path:
     values = run.metrics.as_dict()
     units = {name: unit for name, unit, _ in Metrics.items()}
     content = {"verdict": run.verdict.as_dict(), **values, "units": units}
-    path.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
     return path
 
 
 def _write_scenario(scenario: "Scenario", path: Path) -> Path:
     fields = scenario.model_dump(mode="json")
-    path.write_text(json.dumps(fields, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(strict_json(fields, indent=2) + "\n", encoding="utf-8")
     return path

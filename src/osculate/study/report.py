@@ -1,7 +1,6 @@
 """The report of a run: one self-contained HTML page with interactive plots that works offline."""
 
 import html
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from osculate.simulation.dataset import plain_parts
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints, readable, thinned
+from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
     from osculate.simulation import Run, Verdict
@@ -75,7 +75,7 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
             f'<section><h2>{name}</h2><div class="plot" id="plot-{n}"></div></section>'
             for n, name in enumerate(plots)
         ),
-        plots=json.dumps(list(plots.values())),
+        plots=strict_json(list(plots.values())),
         plotly=get_plotlyjs(),
     )
     path.write_text(page, encoding="utf-8")
@@ -91,7 +91,7 @@ def write_refusal_report(verdict: "Verdict", scenario: "Scenario", path: Path) -
         verdict=verdict_banner(verdict),
         interventions="",
         rows="<tr><th>There is no run.</th></tr>",
-        setup=html.escape(json.dumps(fields, indent=2, ensure_ascii=False)),
+        setup=html.escape(strict_json(fields, indent=2)),
         sections="",
         plots="[]",
         plotly="",
@@ -117,7 +117,7 @@ def _setup_text(run: "Run") -> str:
     curve = run.setup.curve
     parts = plain_parts(run.setup)
     parts["curve"] = {"kind": getattr(curve, "kind", "curve"), "length": curve.length}
-    return json.dumps(parts, indent=2, ensure_ascii=False)
+    return strict_json(parts, indent=2)
 
 
 def _line(x: Any, y: Any, name: str, colour: str, dash: str = "solid", width: float = 2.0) -> Trace:

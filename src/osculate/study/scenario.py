@@ -15,11 +15,12 @@ from osculate.curve import AnyCurve, Cycloid
 from osculate.curve.files.documents import load_yaml
 from osculate.errors import InvalidInput, choose
 from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
-from osculate.scene import Scene, Wall
+from osculate.scene import Scene
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
 from osculate.simulation.blocks import Report
 from osculate.simulation.run import TRACKER_WORLD
 from osculate.spec import Spec
+from osculate.strict_json import strict_json
 from osculate.target import AnyTarget, Limits, Modified, plan_speed
 from osculate.vehicle import Tricycle, vehicle_named
 
@@ -29,15 +30,17 @@ AnyController = Annotated[CurvatureLaw | AnyTracker, Field(discriminator="kind")
 class Scenario(Spec):
     """Obstacle → curve → speed target → controllers → simulation: the five steps of Table 2.
 
-    Every field has the paper's value by default; with a path tracker the plant is the actuated robot and
+    Every field has the value that `simulate` has by default, the paper's, on its cycloid and with nothing
+    around; with a path tracker the plant is the actuated robot and
     the clock a sampled one, 100 Hz and 10 ms late. It may see through noisy ``sensors`` and an
     ``estimator``, be guarded by ``safety`` and suffer ``faults``. ``robot`` may be a name of the catalogue.
-    In a file, a cycloid that gives no ``distance`` and ``height`` takes them from the scene's first wall.
+    In a file, a cycloid that gives no ``distance`` and ``height`` takes them from the scene's first wall,
+    and so does the one that is driven where no curve is given.
     """
 
     name: str = "unnamed"
     description: str = ""
-    scene: Scene = Scene(obstacles=(Wall(),))
+    scene: Scene = Scene()
     robot: Tricycle = Tricycle()
     curve: AnyCurve = Cycloid()
     target: AnyTarget = Modified()
@@ -81,13 +84,21 @@ class Scenario(Spec):
     def on(self, plant: str) -> "Scenario":
         """The same scenario on another plant: ``actuated``, ``slip`` or ``mujoco``.
 
+        What the scenario says of its own plant (payload, friction, ...) holds on the other as well.
+
         Raises:
-            InvalidInput: No such plant.
+            InvalidInput: No such plant, or one that has not what the scenario's plant is given.
         """
-        plants: dict[str, AnyPlant] = {
-            "actuated": Actuated(), "slip": Slip(), "mujoco": Mujoco(),
+        plants: dict[str, type[Actuated | Slip | Mujoco]] = {
+            "actuated": Actuated, "slip": Slip, "mujoco": Mujoco,
         }  # fmt: skip
-        return self.but(plant=choose("plant", plant, plants))
+        kind = choose("plant", plant, plants)
+        given = self.plant.model_dump(exclude_defaults=True, exclude={"kind"})
+        for name, value in given.items():
+            if name not in kind.model_fields:
+                message = f"does not fit the plant {plant}, which has no {name}"
+                raise InvalidInput(f"plant.{name}", value, message)
+        return self.but(plant=kind(**given))
 
     @cached_property
     def parts(self) -> dict[str, Any]:
@@ -177,7 +188,7 @@ def _with_folder(fields: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _with_obstacle(fields: dict[str, Any]) -> dict[str, Any]:
     """Step 1 of Table 2: a cycloid without a size of its own goes over the scene's first wall."""
-    curve, scene = fields.get("curve"), fields.get("scene")
+    curve, scene = fields.get("curve", {"kind": "cycloid"}), fields.get("scene")
     if not isinstance(curve, Mapping) or curve.get("kind") != "cycloid":
         return fields
     obstacles = scene.get("obstacles", ()) if isinstance(scene, Mapping) else ()
@@ -194,8 +205,6 @@ def write_template(path: Path) -> list[Path]:
     Raises:
         InvalidInput: The file exists already, or cannot be written.
     """
-    import json
-
     if path.exists():
         raise InvalidInput("path", str(path), "exists already; give another name")
     text = files("osculate.study").joinpath("template.yaml").read_text(encoding="utf-8")
@@ -203,7 +212,7 @@ def write_template(path: Path) -> list[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-        content = json.dumps(Scenario.model_json_schema(), indent=1)
+        content = strict_json(Scenario.model_json_schema(), indent=1)
         schema.write_text(content + "\n", encoding="utf-8")
     except OSError as error:
         raise InvalidInput("path", str(path), f"must be writable ({error})") from None

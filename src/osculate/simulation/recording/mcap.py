@@ -136,6 +136,11 @@ def _path(run: "Run") -> Message:
     return {"header": header, "poses": poses}
 
 
+def _known(value: Any) -> bool:
+    """Whether there is something to tell: a text, or a finite number."""
+    return isinstance(value, str) or (value is not None and bool(np.isfinite(value)))
+
+
 def _diagnostics(run: "Run", time: float) -> Message:
     values = [
         {"key": f"verdict {name}", "value": str(value)}
@@ -143,8 +148,9 @@ def _diagnostics(run: "Run", time: float) -> Message:
         if value is not None
     ]
     values += [
-        {"key": f"{name} [{unit}]" if unit else name, "value": str(getattr(run.metrics, name))}
+        {"key": f"{name} [{unit}]" if unit else name, "value": str(value)}
         for name, unit, _ in Metrics.items()
+        if _known(value := getattr(run.metrics, name))
     ]
     status = {
         "level": 0 if run.verdict.reached else 2,

@@ -1,7 +1,6 @@
 """Controllers × curves × speeds × starts × conditions, in lanes: one cell for every combination."""
 
 import itertools
-import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, require_kind
 from osculate.plant import Mujoco, world_of
 from osculate.scene import Scene
 from osculate.simulation import (
@@ -26,6 +25,9 @@ from osculate.simulation import (
     simulate,
     simulate_batch,
 )
+from osculate.simulation.size import require_callable
+from osculate.strict_json import strict_json
+from osculate.study.comparison.arguments import require_effect, require_named
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
 from osculate.target import Limits, plan_speed
@@ -34,6 +36,7 @@ from osculate.vehicle import Tricycle
 OFF_ROAD = 0.5  # m, distance from the curve at which a run has left it, once errors count
 LANE = Scene(corridor=OFF_ROAD)
 PATIENCE = 2.0  # times the planned duration, after which a run counts as failed
+FINEST = 1e-9  # m, below which errors are rounding
 RECORD = 0.05  # s between two samples of the traces
 FIELDS = {  # of a cell, from the metrics of a run
     "cross_track_rms": "cross_track_rms",
@@ -72,6 +75,11 @@ class Standing(NamedTuple):
     ratio: float  # geometric mean of its RMS over that of the first, cell by cell
     wins: int  # cells in which it is more exact than the first
     cells: int  # in which both arrived
+
+
+def log_rms(cell: Mapping[str, Any]) -> float:
+    """Logarithm of a cell's RMS error; errors below a nanometre, as on a straight line, are equal."""
+    return math.log(max(cell["cross_track_rms"], FINEST))
 
 
 @dataclass(frozen=True)
@@ -116,14 +124,14 @@ class Comparison:
 
     def _merit(self, controller: str) -> tuple[int, float]:
         cells = self.of(controller)
-        alive = [math.log(c["cross_track_rms"]) for c in cells if c["arrived"]]
+        alive = [log_rms(c) for c in cells if c["arrived"]]
         return sum(c["failed"] for c in cells), float(np.mean(alive)) if alive else math.inf
 
     def _standing(self, name: str, first: list[dict[str, Any]]) -> Standing:
         cells = self.of(name)
         alive = [c for c in cells if c["arrived"]]
         pairs = [
-            math.log(c["cross_track_rms"] / f["cross_track_rms"])
+            log_rms(c) - log_rms(f)
             for c, f in zip(cells, first, strict=True)
             if c["arrived"] and f["arrived"]
         ]
@@ -149,7 +157,7 @@ class Comparison:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             record = folder / "comparison.json"
-            text = json.dumps(self.cells, indent=1, ensure_ascii=False)
+            text = strict_json(self.cells, indent=1)
             record.write_text(text + "\n", encoding="utf-8")
             figures = write_figures(self, folder)
             page = write_page(self, folder / "comparison.html", figures)
@@ -190,20 +198,27 @@ def compare(
         start: Initial states by name.
         condition: Ways in which the robot differs from what its law believes, by name.
         robot: The robot; by default the paper's.
-        limits: Limits of the speed plans; ``speed`` is replaced.
-        clock: Period, known delay and step; the duration follows from the plans.
+        limits: Limits of the speed plans; ``speed`` comes from ``speeds``.
+        clock: Period, known delay and step; the duration follows from the plans unless it is given.
         draws: How often every combination with random numbers is run, each time with another seed;
             all controllers meet the same ones.
         report: Called with the fraction that is done.
 
     Raises:
+        InvalidInput: An argument that is empty, of another kind, or has no effect beside the others.
         NoSolution: The robot cannot follow one of the curves.
     """
-    body, task = robot or Tricycle(), limits or Limits()
-    laws = dict(controllers or trackers_for(body))
-    paths = dict(on or curves())
-    begins, states = dict(start or starts()), dict(condition or conditions(robot=body))
-    timing = clock or Sampled(period=0.01, delay=0.01)
+    body, task = Tricycle() if robot is None else robot, Limits() if limits is None else limits
+    require_kind("robot", body, Tricycle)
+    require_kind("limits", task, Limits)
+    laws = require_named("controllers", controllers, PathTracker, lambda: trackers_for(body))
+    paths = require_named("on", on, Curve, curves)
+    begins = require_named("start", start, InitialState, starts)
+    states = require_named("condition", condition, Condition, lambda: conditions(robot=body))
+    require_effect(task, speeds, draws, states)
+    timing = clock if clock is not None else Sampled(period=0.01, delay=0.01)
+    require_kind("clock", timing, Sampled)
+    require_callable(report)
     grid = list(itertools.product(paths, speeds, begins))
     allowed = {v: task.but(speed=v, creep=min(task.creep, v)) for v in speeds}
     longest = max(
@@ -212,7 +227,8 @@ def compare(
         for bound in allowed.values()
     )
     comparison = Comparison([], {}, paths)
-    duration = PATIENCE * longest + 5.0
+    given = "duration" in timing.model_fields_set
+    duration = timing.duration if given else PATIENCE * longest + 5.0
     tasks = [(name, kind) for name in laws for kind in states]
     for done, (name, kind) in enumerate(tasks, 1):
         state = states[kind]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from osculate.study.comparison.compare import Comparison
+from osculate.study.comparison.compare import Comparison, log_rms
 
 CONFIDENCE = 0.95
 PAIR = ("curve", "speed", "start", "seed")
@@ -90,7 +90,7 @@ def _judge(
         pair = tuple(cell[key] for key in PAIR)
         match = by_pair[pair]
         if cell["arrived"] and match["arrived"]:
-            ratio = math.log(match["cross_track_rms"] / cell["cross_track_rms"])
+            ratio = log_rms(match) - log_rms(cell)
             logs.setdefault(pair[:-1], []).append(ratio)
     means = np.array([np.mean(values) for values in logs.values()])
     middle, half = _interval(means)

@@ -167,16 +167,21 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
     """Curves by name: built-in ones, or files (``scale`` multiplies their coordinates).
 
     Raises:
-        InvalidInput: Neither a name nor a file.
+        InvalidInput: Neither a name nor a file, a file named as another curve, or a scale without a file.
     """
     chosen: dict[str, Curve] = {}
     for name in names or CURVES:
         if name in CURVES:
             chosen[name] = CURVES[name]
         elif Path(name).is_file():
-            chosen[Path(name).stem] = CurveFile(path=name, scale=scale)
+            label = Path(name).stem
+            if label in chosen:
+                raise InvalidInput("curve", name, f"has the name of another curve, {label}")
+            chosen[label] = CurveFile(path=name, scale=scale)
         else:
             raise InvalidInput("curve", name, f"must be a file or one of {', '.join(CURVES)}")
+    if scale != 1.0 and not any(isinstance(curve, CurveFile) for curve in chosen.values()):
+        raise InvalidInput("scale", scale, "is for curves from files; none of these is one")
     return chosen
 
 

@@ -1,7 +1,6 @@
 """Tuning a controller on training curves by CMA-ES (Hansen's ``cma``), a population at a time in lanes."""
 
 import itertools
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,9 +11,12 @@ import numpy as np
 
 from osculate.control.tracking import PathTracker
 from osculate.curve import Curve
-from osculate.errors import InvalidInput, MissingExtra
+from osculate.errors import InvalidInput, MissingExtra, require_kind
 from osculate.plant import Actuated
 from osculate.simulation import InitialState, Sampled, simulate_batch
+from osculate.simulation.size import require_callable, require_whole
+from osculate.strict_json import strict_json
+from osculate.study.comparison.arguments import require_named, require_speeds
 from osculate.study.comparison.compare import OFF_ROAD, PATIENCE
 from osculate.study.comparison.suite import training_curves
 from osculate.target import Limits, plan_speed
@@ -50,7 +52,7 @@ class Tuning:
         }
         target = Path(path)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        target.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
         return target
 
 
@@ -73,7 +75,7 @@ def tune(
         controller: Where the search starts.
         on: Training curves by name; by default the package's, which are never reported.
         robot: The robot; by default the paper's.
-        clock: Period, delay and step.
+        clock: Period, delay and step; the duration follows from the plans unless it is given.
         speeds: Largest speeds (m/s), each for every curve.
         starts: Initial states, each for every curve and speed.
         generations: Generations of the search.
@@ -82,18 +84,24 @@ def tune(
         report: Called with the fraction that is done.
 
     Raises:
-        InvalidInput: The controller has nothing to tune.
+        InvalidInput: The controller has nothing to tune, or an argument that is empty or of another kind.
         MissingExtra: The optimiser is not installed.
     """
     try:
         import cma
     except ImportError:
         raise MissingExtra("tune", "cma") from None
+    body, timing = Tricycle() if robot is None else robot, Sampled() if clock is None else clock
+    require_kind("controller", controller, PathTracker)
+    require_kind("robot", body, Tricycle)
+    require_kind("clock", timing, Sampled)
     ranges = controller.tunable
     if not ranges:
         raise InvalidInput("controller", type(controller).__name__, "has no tunable fields")
-    paths = list((on or training_curves()).values())
-    task = _Task(controller, robot or Tricycle(), clock, _cells(paths, speeds, starts))
+    require_speeds(speeds)
+    _require_search(generations, population, seed, report)
+    paths = list(require_named("on", on, Curve, training_curves).values())
+    task = _Task(controller, body, clock, _cells(paths, speeds, starts))
     low, high = (np.log([ranges[name][side] for name in ranges]) for side in (0, 1))
     begin = np.clip(np.log([getattr(controller, name) for name in ranges]), low, high)
     options = {"popsize": population, "seed": seed, "verbose": -9, "bounds": [0.0, 1.0]}
@@ -112,6 +120,14 @@ def tune(
         if report:
             report((generation + 1) / generations)
     return Tuning(found, best, initial, history)
+
+
+def _require_search(generations: int, population: int, seed: int, report: object) -> None:
+    """Refuse a search that cannot begin."""
+    least = (("generations", generations, 1), ("population", population, 4), ("seed", seed, 1))
+    for field, value, bound in least:
+        require_whole(field, value, bound)
+    require_callable(report)
 
 
 def quick_search() -> dict[str, Any]:
@@ -135,6 +151,10 @@ def _cells(
     paths: Sequence[Curve], speeds: Sequence[float], starts: Sequence[InitialState]
 ) -> list[Cell]:
     """All training runs of one controller."""
+    if not starts:
+        raise InvalidInput("starts", starts, "must have at least one InitialState")
+    for start in starts:
+        require_kind("starts", start, InitialState)
     bounds = [Limits(speed=v, creep=min(Limits().creep, v)) for v in speeds]
     return list(itertools.product(paths, bounds, starts, PLANTS))
 
@@ -148,7 +168,8 @@ class _Task:
         self.law, self.robot, self.cells = law, robot, cells
         longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in cells)
         timing = clock or Sampled(period=0.01, delay=0.01)
-        self.clock = timing.but(duration=PATIENCE * longest + 5.0)
+        given = "duration" in timing.model_fields_set
+        self.clock = timing if given else timing.but(duration=PATIENCE * longest + 5.0)
 
     def make(self, ranges: Mapping[str, Any], logs: Any) -> PathTracker:
         """The controller with other values of its tunable fields."""

@@ -2,12 +2,12 @@
 
 import base64
 import html
-import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from osculate.errors import InvalidInput
+from osculate.strict_json import strict_json
 from osculate.study.paper.cases import CASES, rms, run_cases
 from osculate.study.paper.claims import HOLDS, Claim, Runs, claims
 
@@ -45,7 +45,7 @@ class Reproduction:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             record = folder / "claims.json"
-            content = json.dumps([asdict(row) for row in self.rows], indent=2, ensure_ascii=False)
+            content = strict_json([asdict(row) for row in self.rows], indent=2)
             record.write_text(content + "\n", encoding="utf-8")
             figures = write_figures(self.runs, folder, report)
             page = folder / "paper.html"
