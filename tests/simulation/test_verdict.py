@@ -253,7 +253,7 @@ def test_trackers_of_all_robots(name):
     hit = verdict(where)
     assert (hit.kind, hit.obstacle) == ("hit", 1)
     assert hit.place == pytest.approx(0.2, abs=2e-3)
-    back = verdict(initial=InitialState(speed=-0.8))
+    back = verdict(faults=(Shove(time=0.1, along=-30.0, duration=0.2),))
     assert back.kind == "reversed"
     wild = verdict(faults=(Shove(time=0.1, along=1e9),))
     assert wild.kind == "diverged"
