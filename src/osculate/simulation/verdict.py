@@ -222,7 +222,8 @@ def _arrival(o: Outcome) -> str:
     elif abs(o.length - o.place) <= NEAR:
         words, end = "reached the end of the path", "it"
     else:
-        words, end = "drove the length of the path", "its end"
+        words = "drove the length of the path" if o.timed else "came to rest"
+        end = "the end of the path"
     return f"{words} at t = {o.time:.3f} s{_off(o, end)}, {_moving(o)}"
 
 
