@@ -56,6 +56,7 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
+ROLLED = 0.02  # m beyond the end, at which a robot that should have come to rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
@@ -278,7 +279,7 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "pace": Nothing(),
         "target": Nothing(),
         "finish": math.inf,
-        "path_end": math.inf if rests_at_end(curve, setup.limits) else curve.length,
+        "path_end": path_end(curve, setup.limits),
         "deadline": math.inf,
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
@@ -288,6 +289,11 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
+
+
+def path_end(curve: Curve, limits: Limits) -> float:
+    """Arc length (m) at which a run is over at any speed: beyond the end if the robot rests there."""
+    return curve.length + (ROLLED if rests_at_end(curve, limits) else 0.0)
 
 
 def sampled_clock(setup: Setup) -> Sampled:
