@@ -20,6 +20,7 @@ from osculate import (
     Sampled,
     Segment,
     Sensors,
+    Slope,
     Stanley,
     Stepper,
     simulate,
@@ -221,3 +222,9 @@ def test_a_closed_curve_is_done_after_its_length_moving(law):
     run = simulate(CURVES["lemniscate"], controller=law)
     assert run.metrics.ended == "path end"
     assert run.columns["speed"][-1] > 0.3
+
+
+def test_a_robot_without_a_brake_that_rolls_away_downhill_is_not_followed_for_ever():
+    run = simulate(bend(1.0, 0.0, 0.5), controller=CurvatureTracker(), faults=(Slope(grade=-0.02),))
+    assert run.metrics.ended == "path end"
+    assert run.columns["foot"][-1] <= run.setup.curve.length + 0.02 + 1e-6
