@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import leaves
 from osculate.simulation.alike import close_alike
 from osculate.simulation.blocks import (
@@ -94,8 +94,9 @@ def simulate_batch(
     for name, value in (("runs", runs), ("threads", threads)):
         if value is not None:
             require_whole(name, value, 1)
+    require_kind("vary", {} if vary is None else vary, Mapping)
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
-    varied = {name: np.asarray(values, dtype=float) for name, values in (vary or {}).items()}
+    varied = {name: _numbers(name, values) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
     loops = _close_loops(given, count)
     columns = Columns(loops, varied, count)
@@ -120,6 +121,13 @@ def simulate_batch(
             if report:
                 report(done / count)
     return _collect(first, columns, pieces, record_every)
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"vary[{name!r}]", values, "must be one number for every run") from None
 
 
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
