@@ -146,6 +146,23 @@ def test_compare_and_tune(tmp_path):
         (("curve", "corner", "--columns", "2"), "columns = '2': must be two numbers from 1"),
         (("curve", "corner", "--speed", "-1"), "speed = -1.0: must be positive (m/s)"),
         (("run", "nowhere.yaml"), "must be a YAML file or one of"),
+        (
+            ("run", "--animate"),
+            "animate = True: goes into the output folder: give --output as well",
+        ),
+        (
+            ("compare", "--scale", "2"),
+            "scale = 2.0: is for curves from files; none of these is one",
+        ),
+        (("tune", "lqr", "--scale", "2"), "scale = 2.0: is for curves from files"),
+        (
+            ("compare", "--suite", "reality", "--plants", "slip"),
+            "suite = 'reality': names conditions",
+        ),
+        (
+            ("compare", "--plants", "late", "--draws", "2"),
+            "draws = 2: nothing is random under these",
+        ),
     ],
 )
 def test_mistakes_on_the_command_line_are_explained(arguments, message):
