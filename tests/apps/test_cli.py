@@ -146,29 +146,45 @@ def test_compare_and_tune(tmp_path):
         (("curve", "corner", "--columns", "2"), "columns = '2': must be two numbers from 1"),
         (("curve", "corner", "--speed", "-1"), "speed = -1.0: must be positive (m/s)"),
         (("run", "nowhere.yaml"), "must be a YAML file or one of"),
-        (
-            ("run", "--animate"),
-            "animate = True: goes into the output folder: give --output as well",
-        ),
-        (
-            ("compare", "--scale", "2"),
-            "scale = 2.0: is for curves from files; none of these is one",
-        ),
-        (("tune", "lqr", "--scale", "2"), "scale = 2.0: is for curves from files"),
-        (
-            ("compare", "--suite", "reality", "--plants", "slip"),
-            "suite = 'reality': names conditions",
-        ),
-        (
-            ("compare", "--plants", "late", "--draws", "2"),
-            "draws = 2: nothing is random under these",
-        ),
     ],
 )
 def test_mistakes_on_the_command_line_are_explained(arguments, message):
     done = osculate(*arguments, code=2)
     assert message in done.stderr.replace("\n", " ")
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("run --animate", "animate = True: goes into the output folder: give --output as well"),
+        ("compare --scale 2", "scale = 2.0: is for curves from files; none of these is one"),
+        ("tune lqr --scale 2", "scale = 2.0: is for curves from files"),
+        ("compare --suite reality --plants slip", "suite = 'reality': names conditions"),
+        ("compare --plants late --draws 2", "draws = 2: nothing is random under these conditions"),
+    ],
+)
+def test_options_that_would_change_nothing_are_refused(arguments, message):
+    from typer.testing import CliRunner
+
+    from osculate import InvalidInput
+    from osculate.apps.cli import app
+
+    error = CliRunner().invoke(app, arguments.split()).exception
+    assert isinstance(error, InvalidInput)
+    assert message in str(error)
+
+
+def test_every_option_is_read():
+    """By the name of its argument, in the body of its command."""
+    import inspect
+
+    from osculate.apps.cli import app
+
+    for command in app.registered_commands:
+        body = inspect.getsource(command.callback).partition(") -> None:")[2]
+        for name in inspect.signature(command.callback).parameters:
+            assert name in body, (command.callback.__name__, name)
 
 
 def test_a_curve_that_the_robot_cannot_follow_is_said_so(tmp_path):
