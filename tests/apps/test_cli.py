@@ -154,6 +154,39 @@ def test_mistakes_on_the_command_line_are_explained(arguments, message):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("run --animate", "animate = True: goes into the output folder: give --output as well"),
+        ("compare --scale 2", "scale = 2.0: is for curves from files; none of these is one"),
+        ("tune lqr --scale 2", "scale = 2.0: is for curves from files"),
+        ("compare --suite reality --plants slip", "suite = 'reality': names conditions"),
+        ("compare --plants late --draws 2", "draws = 2: nothing is random under these conditions"),
+    ],
+)
+def test_options_that_would_change_nothing_are_refused(arguments, message):
+    from typer.testing import CliRunner
+
+    from osculate import InvalidInput
+    from osculate.apps.cli import app
+
+    error = CliRunner().invoke(app, arguments.split()).exception
+    assert isinstance(error, InvalidInput)
+    assert message in str(error)
+
+
+def test_every_option_is_read():
+    """By the name of its argument, in the body of its command."""
+    import inspect
+
+    from osculate.apps.cli import app
+
+    for command in app.registered_commands:
+        body = inspect.getsource(command.callback).partition(") -> None:")[2]
+        for name in inspect.signature(command.callback).parameters:
+            assert name in body, (command.callback.__name__, name)
+
+
 def test_a_curve_that_the_robot_cannot_follow_is_said_so(tmp_path):
     path = tmp_path / "tight.csv"
     path.write_text("0,0\n0.05,0.05\n0,0.1\n", encoding="utf-8")

@@ -14,6 +14,7 @@ from osculate import (
     InvalidInput,
     Late,
     Limits,
+    Mujoco,
     Payload,
     Reduced,
     Sampled,
@@ -31,7 +32,8 @@ from osculate import (
     simulate_batch,
 )
 from osculate.plant import world_of
-from osculate.plant.weather import blow_all, impair
+from osculate.plant.faults import STREAMS
+from osculate.plant.weather import blow_all, impair, strength
 from osculate.study.comparison.suite import CURVES
 from osculate.vehicle import Command, Motion
 
@@ -82,6 +84,43 @@ def test_gusts_have_their_size_and_change_in_their_time():
     assert abs(np.diff(pushes[:, 0])).max() < 0.5  # no jumps: a tenth of a blend
     other = world_of(Slip(), (Gusts(along=0.4, seed=4),))
     assert blow_all(1.0, HERE, other.padded_blows) != blow_all(1.0, HERE, world.padded_blows)
+
+
+def test_two_gusts_with_one_seed_are_independent():
+    """Equal noises are not one noise of twice the size; nor are those of sensors with the same seed."""
+    one, two = Gusts(along=0.4, time=0.05, seed=3), Gusts(along=0.4, time=0.05, seed=3)
+    blows = world_of(Slip(), (one, two)).padded_blows
+    assert blows[0].stream != blows[1].stream
+    t = np.arange(0.0, 40.0, 0.05)
+    first, second = (np.array([strength(x, blow)[0] for x in t]) for blow in blows)
+    assert abs(np.corrcoef(first, second)[0, 1]) < 0.12
+    total = np.array([blow_all(x, HERE, blows).acceleration for x in t])
+    assert total.std() == pytest.approx(0.4 * np.sqrt(2.0), rel=0.12)
+    assert min(blow.stream for blow in blows) >= STREAMS  # sensors draw from those below
+
+
+@pytest.mark.parametrize("plant", [Actuated(), Reduced(), Mujoco(), Slip()], ids=lambda p: p.kind)
+@pytest.mark.parametrize(
+    ("fault", "felt"),
+    [
+        (Shove(along=1.0), {"actuated", "reduced", "mujoco", "slip"}),
+        (Shove(along=1.0, aside=2.0), {"mujoco", "slip"}),
+        (Shove(aside=0.0, yaw=2.0), {"reduced", "mujoco", "slip"}),
+        (Shove(), {"mujoco", "slip"}),
+        (Gusts(), {"actuated", "reduced", "mujoco", "slip"}),
+        (Gusts(aside=0.1), {"mujoco", "slip"}),
+        (Slope(), {"actuated", "reduced", "mujoco", "slip"}),
+        (Slope(grade=0.0), {"actuated", "reduced", "mujoco", "slip"}),
+    ],
+)
+def test_a_push_that_a_plant_cannot_feel_is_refused(plant, fault, felt):
+    if plant.kind in felt:
+        assert len(world_of(plant, (fault,)).blows) == 1
+    else:
+        with pytest.raises(
+            InvalidInput, match=f"moves nothing on the plant {type(plant).__name__}"
+        ):
+            world_of(plant, (fault,))
 
 
 def test_actuators_fail_at_their_time():

@@ -54,8 +54,8 @@ MIXED = {
     "noisy": [
         {"sensors": Sensors(), "estimator": Ekf()},
         {
-            "sensors": Sensors(seed=3, pose_latency=0.1, pose_rate=30.0),
-            "estimator": Ekf(history=0.2),
+            "sensors": Sensors(seed=3, pose_latency=0.06, pose_rate=30.0),
+            "estimator": Ekf(history=0.1),
             "faults": (*PUSHES, Late(delay=0.04), StuckSteering(time=0.4)),
         },
     ],
@@ -67,6 +67,8 @@ MIXED = {
 def test_a_lane_that_was_filled_up_is_the_single_run_bit_for_bit(name):
     """Robots, curves of other lengths, pushes, patches, delays, latencies and histories in one batch."""
     each, plant = MIXED[name], {"exact": Slip(), "noisy": Actuated()}[name]
+    clock = Sampled(period=0.02, delay=0.02, duration=0.6)
+    law = {"controller": CurvatureTracker(), "clock": clock, "plant": plant}
     curves = [CURVE, Spline(points=((0, 0), (0.2, 0.05), (0.4, 0))), Line(distance=2)][: len(each)]
     robots = [Tricycle(body_mass=3.0 - 0.1 * n) for n in range(len(each))]
     parts = {
@@ -74,9 +76,9 @@ def test_a_lane_that_was_filled_up_is_the_single_run_bit_for_bit(name):
         "estimator": [own.get("estimator") for own in each],
         "faults": [own.get("faults", ()) for own in each],
     }
-    batch = simulate_batch(curves, robots, plant=plant, record_every=1, **parts, **TRACKER)
+    batch = simulate_batch(curves, robots, record_every=1, **parts, **law)
     for n, own in enumerate(each):
-        run = simulate(curves[n], robots[n], plant=plant, **own, **TRACKER)
+        run = simulate(curves[n], robots[n], **own, **law)
         rows = batch.time <= run.metrics.duration - 1e-9
         for column, variable in enumerate(run.columns):
             lane = batch.record[n, rows, column]

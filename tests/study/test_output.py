@@ -1,7 +1,9 @@
 """What a run leaves behind: report, metrics, record, pictures."""
 
 import json
+import math
 import re
+from dataclasses import replace
 
 import pytest
 from PIL import Image
@@ -17,7 +19,9 @@ def scenario():
 
 @pytest.fixture(scope="module")
 def run(scenario):
-    return scenario.run()
+    """A run, one of whose metrics is not known."""
+    done = scenario.run()
+    return replace(done, metrics=replace(done.metrics, energy=math.nan))
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +51,16 @@ def test_metrics_carry_units(folder, run):
         "steering_angle_max", "steering_rate_max", "torque_right_max", "end_position_error",
     ):  # fmt: skip
         assert isinstance(metrics[name], float), name
+
+
+def test_what_is_not_known_is_null_in_json_and_a_word_on_the_page(folder, run):
+    def refuse(name):
+        raise AssertionError(f"{name} is no JSON")
+
+    for path in folder.glob("*.json"):
+        json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
+    assert json.loads((folder / "metrics.json").read_text(encoding="utf-8"))["energy"] is None
+    assert "<td>not finite</td>" in (folder / "report.html").read_text(encoding="utf-8")
 
 
 def test_the_written_scenario_can_be_run_again(folder, scenario):

@@ -9,6 +9,7 @@ from osculate import (
     Disturbance,
     InvalidInput,
     InvalidScenario,
+    Mujoco,
     NoSolution,
     Scenario,
     Scene,
@@ -64,6 +65,16 @@ def test_without_a_scene_there_is_no_obstacle(tmp_path):
     assert there.metrics.clearance_min is None
     for name in ("paper", "paper-static", "paper-disturbed"):
         assert not Scenario.load(name).scene.is_empty
+
+
+def test_another_plant_keeps_what_the_scenario_says_of_its_own(tmp_path):
+    text = "curve: {kind: line, distance: 2}\ncontroller: {kind: lqr}\n"
+    loaded = Scenario.load(write(tmp_path, text + "plant: {kind: actuated, payload: 2.0}"))
+    assert loaded.on("mujoco").plant == Mujoco(payload=2.0)
+    assert loaded.on("slip").on("actuated") == loaded
+    slippery = Scenario.load(write(tmp_path, text + "plant: {kind: slip, stiffness: 9.0}"))
+    with pytest.raises(InvalidInput, match=r"plant.stiffness = 9.0: does not fit the plant mujoco"):
+        slippery.on("mujoco")
 
 
 def test_a_scenario_is_its_dump():

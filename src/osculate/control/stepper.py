@@ -5,6 +5,7 @@ Whatever is measured, the command is finite and within the actuators' limits; a 
 """
 
 import math
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -255,15 +256,15 @@ def _require_start(motion: Motion | None, progress: float, length: float) -> Non
         require_kind("motion", motion, Motion)
         if not np.isfinite(motion).all():
             raise InvalidInput("motion", motion, "must be finite")
-    if not 0.0 <= progress <= length:
+    if not isinstance(progress, Real) or not 0.0 <= progress <= length:
         raise InvalidInput("progress", progress, f"must be on the curve, from 0 to {length:.6g} m")
 
 
 def _slots(period: float, delay: float) -> int:
     """Periods from a decision to its effect."""
-    if not 0.0 < period < math.inf:
+    if not isinstance(period, Real) or not 0.0 < period < math.inf:
         raise InvalidInput("period", period, "must be positive (s)")
-    if not 0.0 <= delay < math.inf:
+    if not isinstance(delay, Real) or not 0.0 <= delay < math.inf:
         raise InvalidInput("delay", delay, "must be 0 or more (s)")
     slots = round(delay / period)
     if abs(slots * period - delay) > 1e-9:

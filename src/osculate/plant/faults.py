@@ -70,7 +70,10 @@ class World:
                 raise InvalidInput(
                     "faults", fault, f"{name} moves nothing on the plant {kind}; {REMEDY}"
                 )
-        if blow.along == blow.x == blow.y == 0.0 and all(unfelt.values()):
+        sizes = {True: [], False: [blow.along, blow.x, blow.y]}  # of what is lost, and of what acts
+        for name, lost in unfelt.items():
+            sizes[lost].append(getattr(blow, name))
+        if any(sizes[True]) and not any(sizes[False]):
             raise InvalidInput("faults", fault, f"moves nothing on the plant {kind}; {REMEDY}")
         stream = float(STREAMS + len(self.blows))
         return replace(self, blows=(*self.blows, blow._replace(stream=stream)))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from osculate.errors import InvalidInput
+from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import leaves
 from osculate.scene import Scene
 from osculate.simulation.alike import close_alike
@@ -109,8 +109,9 @@ def simulate_batch(
     for name, value in (("runs", runs), ("threads", threads)):
         if value is not None:
             require_whole(name, value, 1)
+    require_kind("vary", {} if vary is None else vary, Mapping)
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
-    varied = {name: np.asarray(values, dtype=float) for name, values in (vary or {}).items()}
+    varied = {name: _numbers(name, values) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
     around = scene or Scene()
     loops = [in_corridor(loop, around) for loop in _close_loops(given, count)]
@@ -140,6 +141,13 @@ def simulate_batch(
             if report:
                 report(done / count)
     return _collect(columns, pieces, record_every, around, hits)
+
+
+def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"vary[{name!r}]", values, "must be one number for every run") from None
 
 
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:

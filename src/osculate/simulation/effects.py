@@ -1,8 +1,13 @@
 """What is given acts, or is refused: parts that the plant of a setup cannot do anything with."""
 
+from osculate.control.tracking import PathTracker
 from osculate.errors import InvalidInput
 from osculate.simulation.loop import Setup
 
+READ = {  # what only one kind of law reads, and what the other does instead
+    "target": "is for a law that follows speeds over time; a path tracker drives as limits=Limits(...) say",
+    "limits": "are for a path tracker, which plans its speeds; this law drives at the speeds of its target",
+}
 YAWING = (
     "yaw_rate_feedback",
     "yaw_rate_amplitude",
@@ -10,12 +15,13 @@ YAWING = (
 
 
 def require_effect(setup: Setup) -> None:
-    """Refuse what would change nothing on the plant.
+    """Refuse what would change nothing.
 
     Raises:
-        InvalidInput: A yaw rate at the start, or a yaw acceleration, where the steering decides it; says
-            what to change.
+        InvalidInput: A target for a path tracker, limits for a law that follows a target; a yaw rate at the
+            start, or a yaw acceleration, where the steering decides it. Says what to change.
     """
+    _require_read(setup)
     plant, initial = setup.plant, setup.initial
     kind = type(plant).__name__
     if initial.yaw_rate != 0.0 and not plant.starts_turning:
@@ -29,3 +35,11 @@ def require_effect(setup: Setup) -> None:
             if value != 0.0:
                 message = f"steering alone turns the plant {kind}; must be 0, or plant Slip(...)"
                 raise InvalidInput(f"disturbance.{name}", value, message)
+
+
+def _require_read(setup: Setup) -> None:
+    """Refuse speeds that the law never reads, unless they are those that everybody has."""
+    name = "target" if isinstance(setup.controller, PathTracker) else "limits"
+    value = getattr(setup, name)
+    if value != Setup._field_defaults[name]:
+        raise InvalidInput(name, value, READ[name])

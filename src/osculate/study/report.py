@@ -31,6 +31,8 @@ def metric_rows(metrics: Metrics) -> list[tuple[str, str]]:
 
 
 def _with_unit(value: float, unit: str) -> str:
+    if not np.isfinite(value):
+        return "not finite"
     if unit == "m" and abs(value) < 1.0:
         factor, small = readable(abs(value))
         return f"{value * factor:.4g} {small}"

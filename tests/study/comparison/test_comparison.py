@@ -22,6 +22,7 @@ from osculate import (
 from osculate.control.tracking import PathTracker
 from osculate.simulation.batch import LANES
 from osculate.study.comparison import curves, quick_search, training_curves
+from osculate.study.comparison.compare import Comparison
 from osculate.study.comparison.report import cell_table, ranking_table
 from osculate.study.comparison.suite import CURVES, STARTS, conditions, starts
 from osculate.study.comparison.tune import PLANTS
@@ -84,6 +85,23 @@ def test_files(comparison, tmp_path):
     assert "http" not in page.replace("data:image", "")
     assert len(ranking_table(comparison)) == 3
     assert len(cell_table(comparison)) == 9
+
+
+def test_a_straight_line_is_compared_though_its_errors_are_rounding(tmp_path):
+    """Curvature 0: errors are 0 or of the last bit, so that no ratio of them means anything."""
+    start = {"on-path": InitialState(), "offset": InitialState(cross_track=0.1, settled=0.5)}
+    result = compare(on={"line": Line(distance=2.0)}, speeds=[1.0], start=start)
+    numbers = [v for cell in result.cells for v in cell.values() if isinstance(v, float)]
+    assert np.isfinite(numbers).all()
+    assert all(cell["arrived"] for cell in result.cells)
+    exact = [c["cross_track_rms"] for c in result.cells if c["start"] == "on-path"]
+    assert max(exact) < 1e-9
+    assert np.isfinite([(s.ratio, s.cross_track_rms) for s in result.ranking()]).all()
+    on_path = Comparison([c for c in result.cells if c["start"] == "on-path"], {}, {})
+    assert [(s.ratio, s.wins) for s in on_path.ranking()] == [(1.0, 0)] * len(result.controllers)
+    page, record, *_ = result.write(tmp_path)
+    assert "nan" not in page.read_text().lower().split("<img")[0]
+    assert len(json.loads(record.read_text())) == 2 * len(result.controllers)
 
 
 def test_training_curves_are_not_the_reported_ones():

@@ -1,7 +1,8 @@
 """What comparison and tuning can be asked for: everything that is given has an effect or is refused."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from numbers import Real
 from typing import TypeVar
 
 from osculate.errors import InvalidInput, require_kind
@@ -34,7 +35,8 @@ def require_speeds(speeds: Sequence[float]) -> None:
     Raises:
         InvalidInput: None at all, or one that is not positive and finite.
     """
-    if not len(speeds) or not all(0.0 < v < math.inf for v in speeds):
+    given = list(speeds) if isinstance(speeds, Iterable) else []
+    if not given or not all(isinstance(v, Real) and 0.0 < v < math.inf for v in given):
         raise InvalidInput("speeds", speeds, "must be positive (m/s), at least one")
 
 

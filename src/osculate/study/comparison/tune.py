@@ -151,7 +151,7 @@ def _cells(
     paths: Sequence[Curve], speeds: Sequence[float], starts: Sequence[InitialState]
 ) -> list[Cell]:
     """All training runs of one controller."""
-    if not starts:
+    if not isinstance(starts, Sequence) or not starts:
         raise InvalidInput("starts", starts, "must have at least one InitialState")
     for start in starts:
         require_kind("starts", start, InitialState)
