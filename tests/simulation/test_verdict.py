@@ -42,6 +42,7 @@ from osculate.simulation.events import (
     Event,
     EventParameters,
     no_events,
+    slides,
     watch_events,
 )
 from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED
@@ -287,3 +288,24 @@ def test_mujoco_names_sliding():
     assert run.verdict.kind == "left"
     assert run.verdict.reason == "slid"
     assert "slid" in run.verdict.sentence
+
+
+def test_a_start_that_is_to_be_made_good_has_left_if_it_is_not():
+    samples = [(0.7, 0.0, 1.0, 0.02 * n, 0.0) for n in range(20)]
+    assert watched(samples).first.kind == NOTHING
+    left = watched(samples, LANE._replace(settled=0.15)).first
+    assert (left.kind, left.place) == (LEFT, 0.16)
+
+
+@given(st.floats(-2, 2), st.floats(-1.2, 1.2), st.floats(-3, 3), st.floats(-0.9, 0.9))
+def test_wheels_slide_when_they_move_over_the_ground(speed, angle, heading, slip):
+    """A robot that turns as its wheel is steered rolls; one that turns otherwise slides at the front."""
+    allowed = math.hypot(0.15, 0.2 * speed)
+    assume(abs(abs(slip) - allowed) > 1e-6)
+    turning = speed * math.tan(angle) + slip / math.cos(angle)
+    x, y = STEP * speed * math.cos(heading), STEP * speed * math.sin(heading)
+    motion = Motion(x, y, heading, speed, turning / LANE.wheelbase, angle)
+    assert slides.py_func(STEP, motion, 0.0, 0.0, LANE) == (abs(slip) > allowed)
+    along = motion._replace(speed=0.0, yaw_rate=0.0, steering_angle=0.0)
+    assume(abs(abs(speed) - 0.15) > 1e-6)
+    assert slides.py_func(STEP, along, 0.0, 0.0, LANE) == (abs(speed) > 0.15)  # blocked wheels

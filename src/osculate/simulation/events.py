@@ -106,7 +106,7 @@ def slides(elapsed: float, motion: Motion, x: float, y: float, p: EventParameter
 @kernel
 def watch_events(
     t: float, elapsed: float, motion: Motion, tally: Tally, memory: EventMemory, p: EventParameters
-) -> EventMemory:  # fmt: skip
+) -> EventMemory:
     """The memory with one more sample.
 
     Args:
