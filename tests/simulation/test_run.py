@@ -252,6 +252,9 @@ def test_parts_that_do_not_fit_are_refused(parts, message):
         (lambda: Sampled(period=0.0015), "Sampled.period = 0.0015: must be a multiple of step"),
         (lambda: Sampled(delay=-0.1), "Sampled.delay"),
         (lambda: Continuous(duration=0), "Continuous.duration"),
+        (lambda: Continuous(duration=-1.0), "Continuous.duration"),
+        (lambda: Sampled(duration=float("nan")), "Sampled.duration"),
+        (lambda: Continuous(duration=1e-4), "Continuous.duration = 0.0001: must be at least step"),
         (lambda: Continuous(step=float("nan")), "Continuous.step"),
     ],
 )
