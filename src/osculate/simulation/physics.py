@@ -35,7 +35,7 @@ from osculate.simulation.loop import (
 )
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.records import Row
-from osculate.simulation.run import Run, clearance_of, stop_message
+from osculate.simulation.run import Run, clearance_of, scene_of, stop_message
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
 from osculate.target import Reference
@@ -59,7 +59,8 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     if setup.disturbance != type(setup.disturbance)():
         message = "acts on equations, not on bodies; give faults=(Gusts(...), Shove(...))"
         raise InvalidInput("disturbance", setup.disturbance, message)
-    setup = with_approach(setup)
+    given, setup = setup, with_approach(setup)
+    scene = scene_of(given, setup, scene)
     start = setup.initial.on(setup.curve)
     drive = _Drive(setup, world, clock, start)
     ended = "time"

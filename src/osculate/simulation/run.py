@@ -181,7 +181,8 @@ def simulate(
         from osculate.simulation.physics import run_physics
 
         return run_physics(setup, around, report)
-    return run_loop(close_loop(setup), around, report)
+    loop = close_loop(setup)
+    return run_loop(loop, scene_of(setup, loop.setup, around), report)
 
 
 #: What a path tracker drives unless told otherwise: the actuated robot at 100 Hz, 10 ms late.
@@ -256,6 +257,14 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     stop = float(final.held.stop[0]) if code == STOPPED else 0.0
     message = _message(code, on_time, stop, columns)
     return Run(loop.setup, scene, columns, Metrics(**single), message, loop.plan, loop.caution)
+
+
+def scene_of(given: Setup, driven: Setup, scene: Scene) -> Scene:
+    """The scene of a run: walls stand ahead of the curve that was given, not of a way onto it."""
+    if driven.curve is given.curve:
+        return scene
+    begin = given.curve.at(0.0)
+    return scene.fixed((float(begin.x), float(begin.y)))
 
 
 def clearance_of(
