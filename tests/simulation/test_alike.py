@@ -59,7 +59,11 @@ MIXED = {
             "faults": (*PUSHES, Late(delay=0.04), StuckSteering(time=0.4)),
         },
     ],
-    "exact": [{}, {"faults": PUSHES}, {"faults": (Late(delay=0.05), *patches(5))}],
+    "exact": [
+        {},
+        {"faults": PUSHES[1:]},
+        {"faults": (*PUSHES, Late(delay=0.05), *patches(5))},
+    ],
 }
 
 

@@ -9,12 +9,14 @@ import pytest
 from osculate import (
     Continuous,
     CurvatureLaw,
+    CurvatureTracker,
     Cycloid,
     Disturbance,
     Dynamical,
     Exponential,
     InitialState,
     InvalidInput,
+    Line,
     Modified,
     Natural,
     Parametric,
@@ -166,6 +168,18 @@ def test_a_start_beside_the_curve_is_kept_in_the_record():
     assert run.metrics.cross_track_max > 0.2  # the paper's law knows no pose
 
 
+def test_walls_stand_where_they_are_meant_though_a_way_onto_the_curve_comes_first():
+    wall = Scene(obstacles=(Wall(distance=1.5, height=1.0, width=0.5),))
+    start = InitialState(cross_track=-3.0)
+    clock = Sampled(period=0.01, delay=0.01, duration=0.5)
+    parts = {"controller": CurvatureTracker(), "initial": start, "clock": clock}
+    seen = simulate(Line(distance=3.0), scene=wall, **parts)
+    fixed = simulate(Line(distance=3.0), scene=wall.fixed((0.0, 0.0)), **parts)
+    assert seen.setup.curve != Line(distance=3.0)
+    assert seen.metrics.clearance_min == fixed.metrics.clearance_min
+    assert seen.metrics.clearance_min == pytest.approx(math.hypot(1.25, 3.0), abs=0.5)  # not 1.25 m
+
+
 def gentle(duration=8.0, **clock):
     law = CurvatureLaw(
         yaw=YawRegulator(rate_weight=1e-3, heading_weight=1e-2),
@@ -252,6 +266,9 @@ def test_parts_that_do_not_fit_are_refused(parts, message):
         (lambda: Sampled(period=0.0015), "Sampled.period = 0.0015: must be a multiple of step"),
         (lambda: Sampled(delay=-0.1), "Sampled.delay"),
         (lambda: Continuous(duration=0), "Continuous.duration"),
+        (lambda: Continuous(duration=-1.0), "Continuous.duration"),
+        (lambda: Sampled(duration=float("nan")), "Sampled.duration"),
+        (lambda: Continuous(duration=1e-4), "Continuous.duration = 0.0001: must be at least step"),
         (lambda: Continuous(step=float("nan")), "Continuous.step"),
     ],
 )

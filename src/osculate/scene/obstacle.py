@@ -95,6 +95,19 @@ class Scene(Spec):
         """Whether there is nothing to hit."""
         return not self.obstacles
 
+    def fixed(self, start: tuple[float, float]) -> "Scene":
+        """The same obstacles in the map frame, wherever a path begins: walls are blocks.
+
+        Args:
+            start: Where the path begins for which the walls are meant (m).
+        """
+        placed = (
+            Block(corners=tuple((float(x), float(y)) for x, y in obstacle.outline(start)))
+            if isinstance(obstacle, Wall) else obstacle
+            for obstacle in self.obstacles
+        )  # fmt: skip
+        return self.but(obstacles=tuple(placed))
+
     def geometry(self, start: tuple[float, float]) -> Any:
         """The union of all outlines, as a Shapely geometry in the map frame."""
         import shapely

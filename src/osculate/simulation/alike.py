@@ -15,13 +15,12 @@ from osculate.errors import InvalidInput, OsculateError
 from osculate.kernel import Nothing, Tables
 from osculate.plant import World
 from osculate.plant.faults import WELL
-from osculate.plant.tyre import Spot, spots
 from osculate.plant.weather import STILL, Blow, blow_all, impair
 from osculate.simulation.loop import Loop, Setup, close_loop
 from osculate.spec import Spec
 
 STATE = ("initial", "mind", "thought", "parameters")  # of a loop, what has a shape
-IDLE = {Blow: STILL, Spot: spots(())[0]}  # entries that do nothing; others repeat the oldest one
+IDLE = {Blow: STILL}  # entries that do nothing; of other kinds the last one may be there twice
 
 
 def close_alike(setups: Iterable[Setup]) -> list[Loop]:

@@ -22,7 +22,7 @@ from osculate.simulation.blocks import (
     run_block,
 )
 from osculate.simulation.columns import LANES, Columns, places_of
-from osculate.simulation.hits import HitWatch
+from osculate.simulation.hits import HitWatch, scene_of
 from osculate.simulation.loop import Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
@@ -114,7 +114,9 @@ def simulate_batch(
     varied = {name: _numbers(name, values) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
     around = scene or Scene()
-    loops = [in_corridor(loop, around) for loop in _close_loops(given, count)]
+    setups = _setups(given, count)
+    loops = [in_corridor(loop, around) for loop in close_alike(setups)]
+    scenes = [scene_of(s, k.setup, around) for s, k in zip(setups, loops, strict=True)]
     columns = Columns(loops, varied, count)
     first = loops[0]
     clock = first.setup.clock
@@ -129,7 +131,7 @@ def simulate_batch(
     hits: list[Hit | None] = []
 
     def run(start: int) -> tuple[Finished, list[Hit | None]]:
-        return _run(first, columns, start, record_every, around)
+        return _run(first, columns, start, record_every, scenes)
 
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         for start, (block, touched) in zip(starts, pool.map(run, starts), strict=True):
@@ -157,13 +159,14 @@ def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
 
 
 def _run(
-    loop: Loop, columns: Columns, start: int, every: int, scene: Scene
+    loop: Loop, columns: Columns, start: int, every: int, scenes: list[Scene]
 ) -> tuple[Finished, list[Hit | None]]:
     """The block of the lanes from run ``start``, and what its runs touch."""
-    setups = [columns.loop(n).setup for n in range(start, min(start + LANES, columns.count))]
-    if scene.is_empty:
-        return run_block(loop, columns.block(start), every), [None] * len(setups)
-    watch = HitWatch(setups, scene, loop.row)
+    runs = range(start, min(start + LANES, columns.count))
+    if scenes[0].is_empty:
+        return run_block(loop, columns.block(start), every), [None] * len(runs)
+    here = [scenes[n if len(scenes) > 1 else 0] for n in runs]
+    watch = HitWatch([columns.loop(n).setup for n in runs], here, loop.row)
     block = run_block(loop, columns.block(start), every, watch=watch.see)
     return block, watch.hits()
 
@@ -196,14 +199,14 @@ def _is_list(name: str, value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
-    """One loop if no argument is a list, else one for every run, all of one kind and shape."""
+def _setups(given: Mapping[str, Any], count: int) -> list[Setup]:
+    """One setup if no argument is a list, else one for every run."""
     several = count if any(_is_list(name, v) for name, v in given.items()) else 1
     setups = []
     for n in range(several):
         here = {name: v[n] if _is_list(name, v) else v for name, v in given.items()}
         setups.append(make_setup(here.pop("curve"), here.pop("robot", None), here))
-    return close_alike(setups)
+    return setups
 
 
 def _collect(

@@ -2,7 +2,7 @@
 
 import math
 from abc import abstractmethod
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -18,6 +18,14 @@ class Clock(Spec):
 
     step: float = quantity("s", "integration step, h", default=1e-3, gt=0)
     duration: float = quantity("s", "end of the run if the path has not ended", default=20.0, gt=0)
+
+    @model_validator(mode="after")
+    def _one_step(self) -> Self:
+        if self.duration < self.step:
+            raise InvalidInput(
+                "duration", self.duration, f"must be at least step = {self.step:g} s"
+            )
+        return self
 
     @property
     def steps(self) -> int:

@@ -31,6 +31,11 @@ class Placed(Protocol):
         """The robot."""
 
 
+def scene_of(given: Placed, driven: Placed, scene: Scene) -> Scene:
+    """The scene of a run: walls stand ahead of the curve that was given, not of a way onto it."""
+    return scene if driven.curve is given.curve else scene.fixed(_begin(given))
+
+
 def clearance_of(setup: Placed, scene: Scene, columns: dict[str, Array]) -> Array:
     """Distance from the footprint to the nearest obstacle (m) along a record, shape (n,)."""
     return scene.clearance(
@@ -61,11 +66,11 @@ def find_hit(
 class HitWatch:
     """Keeps of every row of a block what is near an obstacle, until all rows are made."""
 
-    def __init__(self, setups: list[Any], scene: Scene, row: Row) -> None:
-        self._setups, self._scene = setups, scene
+    def __init__(self, setups: list[Any], scenes: list[Scene], row: Row) -> None:
+        self._setups, self._scenes = setups, scenes
         leaves = list(names(row))
         self._leaves = [leaves.index(leaf) for leaf in SEEN.values()]
-        self._near = [_near(setup, scene) for setup in setups]
+        self._near = [_near(*placed) for placed in zip(setups, scenes, strict=True)]
         self._kept: list[list[Array]] = [[] for _ in setups]
 
     def see(self, rows: Array) -> None:
@@ -79,16 +84,16 @@ class HitWatch:
 
     def hits(self) -> list[Hit | None]:
         """The first contact of every run."""
-        return [
-            self._hit(setup, kept) for setup, kept in zip(self._setups, self._kept, strict=True)
-        ]
+        runs = zip(self._setups, self._scenes, self._kept, strict=True)
+        return [_hit(*run) for run in runs]
 
-    def _hit(self, setup: Any, kept: list[Array]) -> Hit | None:
-        if not kept:
-            return None
-        columns = dict(zip(SEEN, np.concatenate(kept).T, strict=True))
-        clearance = clearance_of(setup, self._scene, columns)
-        return find_hit(setup, self._scene, columns, clearance)
+
+def _hit(setup: Placed, scene: Scene, kept: list[Array]) -> Hit | None:
+    if not kept:
+        return None
+    columns = dict(zip(SEEN, np.concatenate(kept).T, strict=True))
+    clearance = clearance_of(setup, scene, columns)
+    return find_hit(setup, scene, columns, clearance)
 
 
 def _near(setup: Placed, scene: Scene) -> Callable[[Array, Array], NDArray[np.bool_]]:

@@ -21,7 +21,7 @@ from osculate.scene import Scene
 from osculate.simulation.blocks import Report
 from osculate.simulation.clock import Sampled
 from osculate.simulation.events import EventParameters, no_events, watch_events
-from osculate.simulation.hits import clearance_of, find_hit
+from osculate.simulation.hits import clearance_of, find_hit, scene_of
 from osculate.simulation.loop import (
     BLANK,
     SPEED_LIMIT,
@@ -66,7 +66,8 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     if setup.disturbance != type(setup.disturbance)():
         message = "acts on equations, not on bodies; give faults=(Gusts(...), Shove(...))"
         raise InvalidInput("disturbance", setup.disturbance, message)
-    setup = with_approach(setup)
+    given, setup = setup, with_approach(setup)
+    scene = scene_of(given, setup, scene)
     start = setup.initial.on(setup.curve)
     drive = _Drive(setup, world, clock, start, corridor_in(setup, scene))
     caution = cautions(setup, world, drive.stepper.plan, drive.stepper.caution)

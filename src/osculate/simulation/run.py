@@ -18,7 +18,7 @@ from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
 from osculate.simulation.effects import require_effect
-from osculate.simulation.hits import clearance_of, find_hit
+from osculate.simulation.hits import clearance_of, find_hit, scene_of
 from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
 from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
@@ -189,7 +189,8 @@ def simulate(
         from osculate.simulation.physics import run_physics
 
         return run_physics(setup, around, report)
-    return run_loop(close_loop(setup), around, report)
+    loop = close_loop(setup)
+    return run_loop(loop, scene_of(setup, loop.setup, around), report)
 
 
 #: What a path tracker drives unless told otherwise: the actuated robot at 100 Hz, 10 ms late.
