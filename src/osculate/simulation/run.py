@@ -205,6 +205,14 @@ PARTS = {
 }
 
 
+UNUSED = {
+    "target": "is for the law CurvatureLaw(...), which follows speeds over time; a path tracker plans its "
+    "own: leave it out, or give limits",
+    "limits": "are for path trackers, which plan their speed; the law CurvatureLaw(...) follows a target: "
+    "leave them out, or change the target's profile",
+}
+
+
 def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
     """A `Setup` from the arguments of `simulate`, with clear errors for unknown or wrong parts."""
     named = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
@@ -222,6 +230,9 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
     for fault in named.get("faults", ()):
         if not isinstance(fault, Fault):
             raise InvalidInput("faults", fault, "must be a Fault")
+    unused = "target" if isinstance(named.get("controller"), PathTracker) else "limits"
+    if unused in named:
+        raise InvalidInput(unused, named[unused], UNUSED[unused])
     setup = Setup(**named)
     require_slots(setup.clock, sum(f.delay for f in setup.faults if isinstance(f, Late)))
     return setup
