@@ -205,7 +205,7 @@ def test_what_an_end_needs_is_told():
     why = r"from 0\.9 m/s it needs 0\.505 m to stop \(.*\), the path has 0\.2 m; start slower"
     with pytest.raises(NoSolution, match=why):
         plan_speed(short, Tricycle(), Limits(start_speed=0.9))
-    with pytest.raises(NoSolution, match="lateral acceleration allows .* at the start"):
+    with pytest.raises(NoSolution, match=r"lateral acceleration allows .* at the start"):
         plan_speed(RING, Tricycle(), Limits(speed=3.0, start_speed=3.0, lateral_acceleration=0.5))
 
 
