@@ -58,6 +58,7 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
+ROLLED = 0.02  # m beyond the end, at which a robot that should have come to rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
@@ -287,7 +288,7 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
         "pace": Nothing(),
         "target": Nothing(),
         "finish": math.inf,
-        "path_end": math.inf if rests_at_end(curve, setup.limits) else curve.length,
+        "path_end": path_end(curve, setup.limits),
         "deadline": math.inf,
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
@@ -312,6 +313,11 @@ def cautions(setup: Setup, world: World, plan: SpeedPlan, stuck: str | None) -> 
     if sliding is not None:
         warnings.warn(sliding, stacklevel=2)
     return "; ".join(text for text in (stuck, sliding) if text) or None
+
+
+def path_end(curve: Curve, limits: Limits) -> float:
+    """Arc length (m) at which a run is over at any speed: beyond the end if the robot rests there."""
+    return curve.length + (ROLLED if rests_at_end(curve, limits) else 0.0)
 
 
 def sampled_clock(setup: Setup) -> Sampled:

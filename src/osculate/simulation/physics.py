@@ -3,7 +3,6 @@
 The record and the metrics are those of every run; positions and speeds are MuJoCo's.
 """
 
-import math
 from collections import deque
 from dataclasses import fields
 from typing import Any
@@ -31,6 +30,7 @@ from osculate.simulation.loop import (
     checked_world,
     estimator_of,
     motion_at,
+    path_end,
     sampled_clock,
     surroundings,
     with_approach,
@@ -41,7 +41,6 @@ from osculate.simulation.run import Run, clearance_of, stop_message
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
 from osculate.target import Reference
-from osculate.target.speed import rests_at_end
 from osculate.vehicle import Command, Motion
 from osculate.vehicle.measurement import NO_FIX, Measurement
 
@@ -101,8 +100,7 @@ class _Drive:
         waits = clock.delay_steps + round(world.delay / clock.step) + 1
         self.pipe: deque[Command] = deque([rest] * waits, maxlen=waits)
         self.told, self.push = rest, Push(0.0, 0.0, 0.0, 0.0)
-        rests = rests_at_end(setup.curve, setup.limits)
-        self.path_end = math.inf if rests else self.stepper.length
+        self.path_end = path_end(setup.curve, setup.limits)
         self.progress, self.travelled = setup.initial.arc_length, 0.0
         self.insight: Any = Nothing()
         self.wanted = 0.0  # m/s, speed that the law aims at

@@ -25,7 +25,7 @@ class Parameters(NamedTuple):
     delay: float  # steps between a command's decision and its effect (sampled clock)
     finish: float  # m, arc length at which the run is complete
     path_end: (
-        float  # m, arc length of the nearest point with which a run that passes it is complete
+        float  # m, arc length of the nearest point at which a tracked run is over at any speed
     )
     deadline: float  # s, when the timetable of a static target is complete
     settled: float  # m, errors count from this arc length on

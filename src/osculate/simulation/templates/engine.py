@@ -1,6 +1,5 @@
 """Template: run a block of closed loops side by side, ``LANES`` of them (one, or many)."""
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,13 +105,14 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
     state = run.state
     goal = run.state.target.arc_length + p.path_end - run.tally.foot
     goal = p.finish if p.finish < goal else goal
-    moves = goal < math.inf or p.deadline < math.inf  # else it has come to rest
+    speed = measure(run.state.plant, p.plant).speed
+    rests = halted(run.held) == ARRIVED and abs(speed) < STANDSTILL
     for _ in range(LANDINGS):
         speed = measure(state.plant, p.plant).speed
         part = part + (goal - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
         part = part if part < h else h
         part = part if part < p.deadline - t else p.deadline - t
-        part = part if part > 0.0 and finished and moves else 0.0
+        part = part if part > 0.0 and finished and not rests else 0.0
         state = rk4(t, part, run.state, action, p, tables)
     ended = Progress(select(finished, state, run.state), run.tally, run.status, run.held)
     row, tally = observe(t + part, part, ended, action, p, tables)
