@@ -35,6 +35,8 @@ from osculate import (
     simulate,
     vehicle_named,
 )
+from osculate.kernel import Tables, read
+from osculate.kernel.trace import plain
 from osculate.plant import world_of
 from osculate.plant.grip import foresee_sliding
 from osculate.target.speed import Begin, plan_from
@@ -240,6 +242,29 @@ def test_a_robot_that_moves_already_is_planned_for(curve):
     assert max(used(moving, curve, Tricycle(), Limits(speed=0.8)).values()) <= SLACK
     stepper = Stepper(CurvatureTracker(), curve, limits=Limits(speed=0.8), motion=motion)
     assert stepper.plan.energy == pytest.approx(moving.energy)
+
+
+@pytest.mark.parametrize(("place", "speed"), [(0.05, 0.6), (4.9, 0.95), (0.05, 0.1)])
+def test_a_robot_that_begins_further_on_is_planned_for_from_there(place, speed):
+    """Faster than planned just after the start, or while the plan brakes already; and slower."""
+    task = Limits(speed=1.0, deceleration=0.5)
+    usual = plan_speed(WAVE, Tricycle(), task)
+    strong = task.but(deceleration=1.5)
+    begin = Begin(place, speed)
+    plan = plan_from(begin, WAVE, Tricycle(), strong if place > 1.0 else task)
+    faster = speed > usual.at(place).speed
+    assert plan.arc_length[0] == (place if faster and place < 1.0 else 0.0)
+    assert plan.at(place).speed >= speed * (1.0 - 1e-9)
+    tables = Tables()
+    grid = plan.table(tables)
+    s = np.linspace(place, WAVE.length, 101)
+    told = [math.sqrt(2.0 * plain(read)(x, grid, tables.array)[0]) for x in s]
+    assert told == pytest.approx(plan.at(s).speed, rel=1e-6, abs=1e-6)
+
+
+def test_a_robot_that_cannot_brake_in_time_further_on_is_refused():
+    with pytest.raises(NoSolution, match=r"from 0\.95 m/s it needs .* m to stop"):
+        plan_from(Begin(WAVE.length - 0.5, 0.95), WAVE, Tricycle(), Limits(deceleration=0.5))
 
 
 def test_limits_below_the_creeping_speed_are_kept():

@@ -63,7 +63,7 @@ class Problem(NamedTuple):
     @property
     def step(self) -> float:
         """Distance of the nodes (m)."""
-        return float(self.s[1])
+        return float(self.s[1] - self.s[0])
 
     @property
     def samples(self) -> int:
@@ -71,16 +71,18 @@ class Problem(NamedTuple):
         return (len(self.curvature) - 1) // (len(self.s) - 1)
 
 
-def make_problem(curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None) -> Problem:
-    """Nodes and bounds.
+def make_problem(
+    curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None, begin: float
+) -> Problem:
+    """Nodes and bounds from the arc length ``begin`` (m) on.
 
     Raises:
         InvalidInput: The curve is too long for one plan.
         NoSolution: The robot cannot follow the curve at any speed.
     """
-    cells = _cells(curve)
+    cells = _cells(curve, curve.length - begin)
     m = SAMPLES if cells <= MANY else FEWER
-    s = np.linspace(0.0, curve.length, cells * m + 1)
+    s = np.linspace(begin, curve.length, cells * m + 1)
     point = curve.at(s)
     _require_steerable(curve, robot, s, point.curvature)
     caps = _caps(curve, robot, limits, s, (point.curvature, point.curvature_rate))
@@ -108,8 +110,8 @@ def make_problem(curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling
     )
 
 
-def _cells(curve: Curve) -> int:
-    wanted = np.clip(curve.length / FINEST, 20, max(NODES, curve.length / COARSEST))
+def _cells(curve: Curve, length: float) -> int:
+    wanted = np.clip(length / FINEST, 20, max(NODES, length / COARSEST))
     if not wanted <= MOST_NODES:
         raise InvalidInput(
             "curve.length", curve.length, f"a speed plan would need {wanted / 1e6:.3g} M nodes, at most "
