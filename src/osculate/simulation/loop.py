@@ -103,13 +103,19 @@ class InitialState(Spec):
         """The initial state in the map frame.
 
         Raises:
-            InvalidInput: A start beyond the end of the curve.
+            InvalidInput: A start, or the place from which errors count, beyond the end of the curve.
         """
         if self.arc_length >= curve.length:
             raise InvalidInput(
                 "initial.arc_length",
                 self.arc_length,
                 f"must be below the curve's length of {curve.length:.6g} m",
+            )
+        if self.settled >= curve.length:
+            raise InvalidInput(
+                "initial.settled",
+                self.settled,
+                f"must be below the curve's length of {curve.length:.6g} m: no error would count",
             )
         point = curve.at(self.arc_length)
         heading = float(point.heading)
