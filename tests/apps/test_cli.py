@@ -22,6 +22,7 @@ def osculate(*arguments, code=0, **environment):
     return done
 
 
+@pytest.mark.core
 def test_run_prints_the_metrics_and_where_the_report_lies(tmp_path):
     done = osculate("run", "--output", tmp_path)
     for label in (

@@ -14,6 +14,8 @@ from osculate import (
 )
 from osculate.study.scenario import built_in
 
+pytestmark = pytest.mark.core
+
 
 def write(folder, text):
     path = folder / "mine.yaml"

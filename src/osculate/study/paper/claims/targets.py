@@ -92,7 +92,7 @@ def acceleration_factor(run: Run) -> float:
     k = run.setup.curve.at(c["arc_length"]).curvature
     rest = np.gradient(c["target_speed"], c["time"]) - np.gradient(c["yaw_rate"], c["time"]) / k
     term = k * (0.5 * run.setup.curve.length - c["arc_length"]) * c["speed"] * c["yaw_rate"]
-    clear = np.abs(term) > 0.1 * np.abs(term).max()
+    clear = np.abs(term) >= 0.1 * np.abs(term).max()
     return float(np.median(rest[clear] / term[clear]))
 
 
