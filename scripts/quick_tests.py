@@ -40,10 +40,15 @@ class Survey(NamedTuple):
     tests: list[QuickTest]
 
     def entering(self, file: Path, lines: tuple[int, ...]) -> list[QuickTest]:
-        """The tests that run a place: all of them for what runs at import."""
+        """The tests of all files that run a place: all tests for what runs at import.
+
+        A whole file, since what one of its tests has computed is often kept for the others.
+        """
         if len(lines) == 1:
             return self.tests
-        return [test for test in self.tests if (str(file), lines[1]) in test.entered]
+        place = (str(file), lines[1])
+        files = {_file(test) for test in self.tests if place in test.entered}
+        return [test for test in self.tests if _file(test) in files]
 
 
 class Watch:
@@ -101,13 +106,12 @@ def _order(tests: list[QuickTest]) -> dict[str, tuple[float, str, float]]:
     """What to sort by: the time of the test's file, the file, the time of the test."""
     files: dict[str, float] = {}
     for test in tests:
-        file = test.name.partition("::")[0]
-        files[file] = files.get(file, 0.0) + test.duration
-    return {
-        test.name: (files[file], file, test.duration)
-        for test in tests
-        for file in [test.name.partition("::")[0]]
-    }
+        files[_file(test)] = files.get(_file(test), 0.0) + test.duration
+    return {test.name: (files[_file(test)], _file(test), test.duration) for test in tests}
+
+
+def _file(test: QuickTest) -> str:
+    return test.name.partition("::")[0]
 
 
 class TooLong(BaseException):
@@ -173,5 +177,5 @@ def kills(copy: Path, tests: list[QuickTest]) -> bool:
 
 
 def _try(copy: Path, tests: list[QuickTest]) -> None:
-    files = sorted({test.name.partition("::")[0] for test in tests})
+    files = sorted({_file(test) for test in tests})
     os._exit(_pytest(copy, ["-x", *files], Watch(str(copy / "src"), tests)))
