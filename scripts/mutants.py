@@ -4,12 +4,13 @@
     .venv/bin/python scripts/mutants.py --room target --count 20
 
 Mutants are drawn at random (``--seed``) from all places of a room: signs, operators, comparisons,
-numbers, branches. First the room's own tests run once without any mutant and without compilation; each says how long
-it takes and which functions it enters. A mutant then meets, uncompiled, the quick tests of all files that
-enter its function, in a process forked from one that has imported everything; what lives on meets the
-compiled tests in `COMPILED`. Survivors are printed with their place; those judged to change nothing that
-matters stand in ``mutants.txt``, one a line, as printed but without time and line number and with the
-reason behind, and do not count. The exit status is 1 where fewer than 85 % of a room's mutants are killed.
+numbers, branches. First the room's own tests run once without any mutant and without compilation; each
+says how long it takes and which functions it enters. A mutant then meets, uncompiled, the quick tests
+of all files that enter its function, in a process forked from one that has imported everything; what
+lives on meets the compiled tests in `COMPILED`. Survivors are printed with their place; those judged to
+change nothing that matters stand in ``mutants.txt``, one a line, as printed but without time and line
+number and with the reason behind, and do not count. The exit status is 1 where fewer than 85 % of a
+room's mutants are killed.
 """
 
 import argparse
