@@ -41,13 +41,13 @@ times = st.floats(0.0, 20.0)
 
 @pytest.mark.parametrize("law", [CurvatureTracker(), PurePursuit()])
 def test_a_target_is_no_part_of_a_tracker(law):
-    with pytest.raises(InvalidInput, match=r"target = .*a path tracker plans its own"):
+    with pytest.raises(InvalidInput, match=r"target = .*a path tracker drives as limits="):
         make_setup(WAVE, None, {"controller": law, "target": Static()})
 
 
 @pytest.mark.parametrize("parts", [{}, {"controller": CurvatureLaw()}])
 def test_limits_are_no_part_of_a_law(parts):
-    with pytest.raises(InvalidInput, match=r"limits = .*are for path trackers"):
+    with pytest.raises(InvalidInput, match=r"limits = .*are for a path tracker"):
         make_setup(Cycloid.over(), None, {**parts, "limits": Limits()})
 
 
@@ -55,9 +55,9 @@ def test_a_scenario_gives_what_its_file_gives():
     tracked = {"curve": WAVE, "controller": {"kind": "curvature-tracker"}}
     assert "target" not in Scenario(**tracked).parts
     assert "limits" not in Scenario().parts
-    with pytest.raises(InvalidInput, match="a path tracker plans its own"):
+    with pytest.raises(InvalidInput, match="a path tracker drives as limits="):
         Scenario(**tracked, target={"kind": "modified"}).run()
-    with pytest.raises(InvalidInput, match="are for path trackers"):
+    with pytest.raises(InvalidInput, match="are for a path tracker"):
         Scenario(limits={"speed": 1.0}).run()
 
 

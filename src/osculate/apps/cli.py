@@ -167,19 +167,29 @@ def paper(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for claims, figures and data.")
     ] = Path("paper"),
+    yaw_origin: Annotated[
+        str,
+        typer.Option(
+            help="Where the target's heading begins: start (as the robot) or printed (0)."
+        ),
+    ] = "start",
+    after_end: Annotated[
+        str, typer.Option(help="What happens at the end of the path: stop or continue (to 20 s).")
+    ] = "stop",
 ) -> None:
-    """Reproduce the paper: Figures 3-7, and a verdict on every number and claim."""
-    from osculate.study.paper import reproduce
+    """Reproduce the paper: Figures 1-7, and a judgement on every number and statement."""
+    from osculate.study.paper import Interpretation, reproduce
 
+    chosen = Interpretation.checked(yaw_origin, after_end)
     with progress("reproducing") as report:
-        result = reproduce(report=report)
+        result = reproduce(chosen, report=report)
         written = result.write(output)
-    table = Table("statement", "source", "paper", "ours", "verdict", header_style="bold")
+    table = Table("statement", "source", "paper", "ours", "judgement", header_style="bold")
     for row in result.rows:
-        colour = {"holds": "green", "does not hold": "red"}.get(row.verdict, "yellow")
+        colour = {"holds": "green", "does not hold": "red"}.get(row.judgement, "yellow")
         table.add_row(
             row.statement, row.source, row.expected_text, row.measured_text,
-            f"[{colour}]{row.verdict}[/{colour}]",
+            f"[{colour}]{row.judgement}[/{colour}]",
         )  # fmt: skip
     out.print(table)
     out.print(f"Written: {len(written)} files in [bold]{output}[/bold]", soft_wrap=True)
