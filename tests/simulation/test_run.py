@@ -231,8 +231,9 @@ def test_netcdf_round_trip(nominal, tmp_path):
 @pytest.mark.core
 def test_the_overview_has_all_panels(nominal):
     figure = nominal.plot()
-    assert [ax.get_title() for ax in figure.axes] == [
-        "Path",
+    path, *series = figure.axes
+    assert path.get_title(loc="left").replace("\n", " ") == f"✓ {nominal.verdict}"
+    assert [ax.get_title() for ax in series] == [
         "Speeds",
         "Cross-track error",
         "Steering angle",
