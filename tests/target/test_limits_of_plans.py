@@ -40,6 +40,7 @@ from osculate.kernel.trace import plain
 from osculate.plant import world_of
 from osculate.plant.grip import foresee_sliding
 from osculate.target.speed import Begin, plan_from
+from osculate.target.speed.grid import bound_cells, bound_coefficients
 from osculate.vehicle import Motion
 from osculate.vehicle.model import steered_torque
 
@@ -324,3 +325,59 @@ SLOW = {
     )
     for name in ("paper", "tugger", "forklift")
 }
+
+
+@given(
+    levels=st.lists(st.floats(0.05, 3.0), min_size=3, max_size=6),
+    places=st.lists(st.floats(0.02, 0.98), min_size=5, max_size=5, unique=True),
+    slopes=st.one_of(
+        st.just([0.0] * 6), st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6)
+    ),
+    around=st.booleans(),
+)  # fmt: skip
+def test_the_bounds_of_the_coefficients_keep_a_limit_with_jumps_between_the_samples(
+    levels, places, slopes, around
+):
+    cells, m = 24, 8
+    edges = np.sort(places)[: len(levels) - 1]
+
+    def cap(x):
+        piece = np.searchsorted(edges, x, side="right")
+        return np.array(levels)[piece] * np.exp(0.3 * np.array(slopes)[piece] * x)
+
+    x = np.linspace(0.0, 1.0, cells * m + 1)
+    nodes, middle = bound_cells(cap(x), m)
+    c = bound_coefficients(nodes, middle, around)
+    f = np.linspace(0.0, 1.0, 41)
+    spline = (
+        0.5 * (1.0 - f) ** 2 * c[:-2, None]
+        + (0.5 + f - f**2) * c[1:-1, None]
+        + 0.5 * f**2 * c[2:, None]
+    )
+    inner = slice(0 if around else 1, None if around else -1)  # free ends are bounded at the node
+    here = (np.arange(cells)[:, None] + f) / cells
+    gap = np.abs(here[..., None] - edges).min(axis=-1) > 1.0 / (m * cells)
+    assert (spline <= cap(here) * SLACK)[inner][gap[inner]].all()
+    if not any(slopes):  # then no place is lower than both samples beside it
+        either = np.maximum(cap(here - 1e-9), cap(here + 1e-9))  # at the very jump
+        assert (spline <= either * SLACK)[inner].all()
+
+
+def test_motors_too_weak_for_a_given_end_are_named():
+    weak = vehicle_named("tugger")
+    weak = weak.but(actuators=weak.actuators.but(torque_limit=30.0))
+    with pytest.raises(
+        NoSolution, match=r"with the end at 1 m/s on 1 m: motors, jerk and the other"
+    ):
+        plan_speed(Line(distance=1.0), weak, Limits(end_speed=1.0))
+
+
+@pytest.mark.parametrize("name", ["paper", "tugger", "forklift"])
+@pytest.mark.parametrize(("grip", "slides"), [(0.98, True), (1.02, False)])
+def test_the_drive_wheels_carry_their_part_of_the_weight(name, grip, slides):
+    robot = vehicle_named(name)
+    task = Limits(speed=0.1, lateral_acceleration=0.01, acceleration=0.2, deceleration=0.2)
+    share = 1.0 - robot.centre_ahead / robot.wheelbase
+    plant = Slip(friction=grip * 0.2 / robot.gravity / share)
+    told = foresee_sliding(plant, robot, task, WAVE, SLOW[name])
+    assert ("drive wheels" in (told or "")) == slides
