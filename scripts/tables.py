@@ -22,9 +22,9 @@ from osculate.plant import Mujoco
 from osculate.simulation import InitialState
 from osculate.study.comparison.compare import Comparison, compare
 from osculate.study.comparison.report import OURS
+from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 from osculate.study.comparison.suite import CONDITIONS, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
-from osculate.study.comparison.verdicts import condition_table, summary, verdicts
 from osculate.vehicle import vehicle_named
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -134,7 +134,7 @@ def texts(robot: str, places: dict[Task, Path]) -> Iterator[tuple[str, str]]:
         if task.robot == robot:
             cells += json.loads(path.read_text(encoding="utf-8"))
     result = Comparison(cells, {}, {})
-    found = verdicts(result, OURS)
+    found = paired_comparisons(result, OURS)
     head, *rows = condition_table(result, OURS)
     rule = ["---", *["---:"] * (len(head) - 1)]
     lines = ["| " + " | ".join(row) + " |" for row in (head, rule, *rows)]
@@ -166,7 +166,7 @@ def _arguments(given: list[str]) -> argparse.Namespace:
     parser.add_argument("--controllers", default="", help="by commas; all by default")
     parser.add_argument("--curves", default="", help="by commas; all by default")
     parser.add_argument("--speeds", default="0.5,1,2", help="m/s, by commas")
-    parser.add_argument("--draws", type=int, default=2, help="of noisy runs; in MuJoCo always 1")
+    parser.add_argument("--draws", type=int, default=5, help="of noisy runs; in MuJoCo always 1")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--pages", type=Path, default=ROOT, help="folder of README.md and docs")
     parser.add_argument("--cells", type=Path, default=ROOT / "build" / "tables")

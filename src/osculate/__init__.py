@@ -75,6 +75,8 @@ if TYPE_CHECKING:
     from osculate.simulation import Metrics as Metrics
     from osculate.simulation import Run as Run
     from osculate.simulation import Sampled as Sampled
+    from osculate.simulation import Verdict as Verdict
+    from osculate.simulation import VerdictKind as VerdictKind
     from osculate.simulation import simulate as simulate
     from osculate.simulation import simulate_batch as simulate_batch
     from osculate.simulation import variable_names as variable_names
@@ -83,8 +85,8 @@ if TYPE_CHECKING:
     from osculate.study.comparison import Condition as Condition
     from osculate.study.comparison import Tuning as Tuning
     from osculate.study.comparison import compare as compare
+    from osculate.study.comparison import paired_comparisons as paired_comparisons
     from osculate.study.comparison import tune as tune
-    from osculate.study.comparison import verdicts as verdicts
     from osculate.target import Dynamical as Dynamical
     from osculate.target import Exponential as Exponential
     from osculate.target import Limits as Limits
@@ -178,6 +180,8 @@ _ROOMS = {
         "Metrics",
         "Run",
         "Sampled",
+        "Verdict",
+        "VerdictKind",
         "simulate",
         "simulate_batch",
         "variable_names",
@@ -188,8 +192,8 @@ _ROOMS = {
         "Condition",
         "Tuning",
         "compare",
+        "paired_comparisons",
         "tune",
-        "verdicts",
     ),
     "target": (
         "Dynamical",

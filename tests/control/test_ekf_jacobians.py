@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from osculate import Ekf
 from osculate.control.contract import Start
-from osculate.control.estimation import ekf
+from osculate.control.estimation import process, readings
+from osculate.control.estimation.belief import Place
 from osculate.control.estimation.contract import Told
-from osculate.control.estimation.ekf import Place
 from osculate.control.estimation.kinematics import UNITS, Kinematics, carry
 from osculate.kernel import transpose
 from osculate.kernel.trace import plain
@@ -17,7 +17,7 @@ from osculate.vehicle.catalogue import VEHICLES
 from osculate.vehicle.measurement import Fix, Measurement
 
 STEP = 1e-6
-step_forward = plain(ekf.step_forward)
+step_forward = plain(process.step_forward)
 rows_of = plain(carry)
 
 
@@ -95,8 +95,8 @@ def check_clue(clue, m):
 def test_the_clues_of_wheels_and_gyro(m, acceleration, robot):
     p = parameters(robot)
     z = Measurement(0.4, 0.6, 0.1, 0.2, Fix(0.0, 0.0, 0.0, 0.0))
-    speed, difference = plain(ekf.speed_clue), plain(ekf.difference_clue)
-    gyro = plain(ekf.gyro_clue)
+    speed, difference = plain(readings.speed_clue), plain(readings.difference_clue)
+    gyro = plain(readings.gyro_clue)
     check_clue(lambda s: speed(s, z, acceleration, p), m)
     check_clue(lambda s: difference(s, z, p), m)
     check_clue(lambda s: gyro(s, z.yaw_rate, p), m)
@@ -116,8 +116,8 @@ def test_the_clues_of_a_pose_of_any_age(m, steps, age, robot):
     fix = Fix(m.x + 0.01, m.y - 0.02, m.heading + 0.01, age)
 
     def clues(s):
-        off, ahead = plain(ekf.fix_innovation)(s, trail, fix, p)
-        return plain(ekf.fix_clues)(off, ahead, True, p)
+        off, ahead = plain(readings.fix_innovation)(s, trail, fix, p)
+        return plain(readings.fix_clues)(off, ahead, True, p)
 
     for n in range(3):
         check_clue(lambda s, n=n: clues(s)[n], m)

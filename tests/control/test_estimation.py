@@ -21,7 +21,9 @@ from osculate import (
     simulate,
     simulate_batch,
 )
-from osculate.control.estimation.ekf import Place, estimate_kinematics, place_then
+from osculate.control.estimation.belief import Place
+from osculate.control.estimation.filter import estimate_kinematics
+from osculate.control.estimation.readings import place_then
 from osculate.kernel import rebuild
 from osculate.kernel.trace import plain
 from osculate.plant.faults import HEARD

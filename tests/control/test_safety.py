@@ -9,8 +9,10 @@ from osculate import (
     CurvatureTracker,
     Late,
     Limits,
+    Payload,
     PurePursuit,
     Safety,
+    Sampled,
     SensorLoss,
     Sensors,
     Stepper,
@@ -20,7 +22,7 @@ from osculate import (
 )
 from osculate.control.safety import REASONS
 from osculate.study.comparison.suite import CURVES
-from osculate.vehicle import Motion
+from osculate.vehicle import VEHICLES, Motion
 
 CELLS = [(c, v) for c in CURVES for v in (0.5, 1.0, 2.0)]
 WIDTH = 0.3
@@ -74,6 +76,27 @@ def test_it_keeps_out_of_the_way():
     batch = guarded()
     assert set(batch.metrics.ended) == {"path end"}
     assert not reasons(batch)
+
+
+def test_no_robot_is_stopped_where_nothing_is_wrong():
+    """Narrow corridors, noise, up to a fifth more mass; all that there is: benchmarks/false_stops.py."""
+    cells = [(VEHICLES[r], CURVES[c]) for r in VEHICLES for c in ("slalom", "corner")] * 2
+    batch = simulate_batch(
+        [curve for _, curve in cells],
+        [robot for robot, _ in cells],
+        limits=[Limits(speed=1.5)] * len(cells),
+        sensors=[Sensors(seed=n) for n in range(len(cells))],
+        controller=CurvatureTracker(),
+        safety=Safety(half_width=0.1),
+        faults=[
+            (Payload(mass=(0.01, 0.2)[2 * n // len(cells)] * robot.total_mass),)
+            for n, (robot, _) in enumerate(cells)
+        ],
+        clock=Sampled(period=0.01, delay=0.01, duration=30.0),
+        record_every=100,
+    )
+    assert set(batch.metrics.ended) == {"path end"}
+    assert batch.metrics.cross_track_max.max() < 0.1
 
 
 def test_a_run_tells_what_was_done_and_why():

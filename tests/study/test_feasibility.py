@@ -16,20 +16,20 @@ def test_an_arc_is_what_it_is():
     assert report.steering_angle == pytest.approx(math.atan(0.4 / 2.0))
     assert report.lateral_speed == pytest.approx(2.0)
     assert report.feasible
-    assert "at 1 m/s everywhere" in report.verdict
+    assert "at 1 m/s everywhere" in report.conclusion
 
 
 def test_a_curve_too_tight_is_refused_with_place_and_angle():
     report = inspect_curve(Arc(radius=0.2, angle=1.0), vehicle_named("forklift"))
     assert not report.feasible
-    assert "cannot follow" in report.verdict
-    assert "its limit is 80.21°" in report.verdict
+    assert "cannot follow" in report.conclusion
+    assert "its limit is 80.21°" in report.conclusion
 
 
 def test_a_curve_too_fast_says_how_slow():
     report = inspect_curve(load_curve("corner"), vehicle_named("tugger"), speed=2.0)
     assert report.feasible
-    assert "slow down to" in report.verdict
+    assert "slow down to" in report.conclusion
 
 
 def test_sources(tmp_path):

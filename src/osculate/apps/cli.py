@@ -12,11 +12,12 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from osculate.errors import InvalidInput, OsculateError, choose
+from osculate.errors import InvalidInput, NoSolution, OsculateError, choose
 
 if TYPE_CHECKING:
     from osculate.curve import CurveFile
-    from osculate.simulation import Run
+    from osculate.simulation import Run, Verdict
+    from osculate.study.scenario import Scenario
 
 app = typer.Typer(
     name="osculate",
@@ -35,14 +36,16 @@ ScenarioArgument = Annotated[
 
 
 def main() -> None:
-    """Entry point: runs a command and turns the package's errors into one message and exit code 2."""
+    """Entry point: runs a command and turns the package's errors into one message and an exit code."""
     warnings.showwarning = _show_warning
     try:
         app()
     except OsculateError as error:
         err.print("[bold red]error:[/bold red]", end=" ")
         err.print(str(error), markup=False)
-        sys.exit(2)
+        from osculate.simulation.verdict import WRONG_INPUT
+
+        sys.exit(WRONG_INPUT)
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -71,7 +74,12 @@ def run(
     ] = None,
     view: Annotated[bool, typer.Option("--view", help="Show the run in MuJoCo's viewer.")] = False,
 ) -> None:
-    """Run a scenario: obstacle, curve, speed target, controllers, simulation, report."""
+    """Run a scenario: obstacle, curve, speed target, controllers, simulation, report.
+
+    The first line is the verdict: what happened first, where and when. It is also the exit code: 0 reached,
+    1 internal error, 2 wrong input or infeasible, 10 hit, 11 left, 12 stopped, 13 diverged, 14 late,
+    15 reversed.
+    """
     from osculate.study.scenario import Scenario
 
     if animate and not output:
@@ -80,10 +88,8 @@ def run(
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
-    if caution := chosen.caution():
-        _show_warning(caution)
-    with progress("simulating") as report:
-        result = chosen.run(report)
+    result = _simulate(chosen, output)
+    _print_verdict(result.verdict, out)
     _print_metrics(result, chosen.name)
     if output:
         from osculate.study.output import write_output
@@ -94,8 +100,33 @@ def run(
     for path in save or ():
         out.print(f"Saved: [bold]{result.save(path)}[/bold]", soft_wrap=True)
     _film(result, video, view)
-    if result.diverged:
-        raise typer.Exit(1)
+    raise typer.Exit(result.verdict.exit_code)
+
+
+def _simulate(chosen: "Scenario", output: Path | None) -> "Run":
+    """Run a scenario; where the plan says that the robot cannot, that is the verdict."""
+    try:
+        if caution := chosen.caution():
+            _show_warning(caution)
+        with progress("simulating") as report:
+            return chosen.run(report)
+    except NoSolution as error:
+        from osculate.simulation.verdict import infeasible
+
+        verdict = infeasible(error)
+        _print_verdict(verdict, err)
+        if output:
+            from osculate.study.output import write_refusal
+
+            out.print(
+                f"Report: [bold]{write_refusal(verdict, output, chosen)}[/bold]", soft_wrap=True
+            )
+        raise typer.Exit(verdict.exit_code) from None
+
+
+def _print_verdict(verdict: "Verdict", console: Console) -> None:
+    style = "green" if verdict.reached else "bold red"
+    console.print(str(verdict), style=style, markup=False, soft_wrap=True)
 
 
 def _check_film(video: Path | None, view: bool) -> None:
@@ -136,19 +167,29 @@ def paper(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for claims, figures and data.")
     ] = Path("paper"),
+    yaw_origin: Annotated[
+        str,
+        typer.Option(
+            help="Where the target's heading begins: start (as the robot) or printed (0)."
+        ),
+    ] = "start",
+    after_end: Annotated[
+        str, typer.Option(help="What happens at the end of the path: stop or continue (to 20 s).")
+    ] = "stop",
 ) -> None:
-    """Reproduce the paper: Figures 3-7, and a verdict on every number and claim."""
-    from osculate.study.paper import reproduce
+    """Reproduce the paper: Figures 1-7, and a judgement on every number and statement."""
+    from osculate.study.paper import Interpretation, reproduce
 
+    chosen = Interpretation.checked(yaw_origin, after_end)
     with progress("reproducing") as report:
-        result = reproduce(report=report)
+        result = reproduce(chosen, report=report)
         written = result.write(output)
-    table = Table("statement", "source", "paper", "ours", "verdict", header_style="bold")
+    table = Table("statement", "source", "paper", "ours", "judgement", header_style="bold")
     for row in result.rows:
-        colour = {"holds": "green", "does not hold": "red"}.get(row.verdict, "yellow")
+        colour = {"holds": "green", "does not hold": "red"}.get(row.judgement, "yellow")
         table.add_row(
             row.statement, row.source, row.expected_text, row.measured_text,
-            f"[{colour}]{row.verdict}[/{colour}]",
+            f"[{colour}]{row.judgement}[/{colour}]",
         )  # fmt: skip
     out.print(table)
     out.print(f"Written: {len(written)} files in [bold]{output}[/bold]", soft_wrap=True)
@@ -203,7 +244,7 @@ def curve(
         report = inspect_curve(chosen, named or own or vehicle_named("paper"), speed)
         told(1.0)
     _print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
-    out.print(report.verdict, style="none" if report.feasible else "bold red")
+    out.print(report.conclusion, style="none" if report.feasible else "bold red")
     if output:
         out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
     if not report.feasible:
@@ -277,8 +318,8 @@ def compare(
     from osculate.study.comparison import starts as known_starts
     from osculate.study.comparison import trackers_for
     from osculate.study.comparison.report import MEANING, OURS, ranking_table
+    from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
     from osculate.study.comparison.suite import conditions
-    from osculate.study.comparison.verdicts import condition_table, summary, verdicts
     from osculate.vehicle import vehicle_named
 
     body = vehicle_named(robot)
@@ -302,11 +343,12 @@ def compare(
             draws=draws or (3 if random else 1),
             report=report,
         )
+    out.print(result.verdict, style="green" if result.reached else "bold red", soft_wrap=True)
     _print_table(ranking_table(result))
     if len({cell["plant"] for cell in result.cells}) > 1 and OURS in result.controllers:
         _print_table(condition_table(result, OURS))
         out.print(MEANING, style="dim")
-        out.print(summary(verdicts(result, OURS)))
+        out.print(summary(paired_comparisons(result, OURS)))
     written = result.write(output)
     out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
 
@@ -410,7 +452,7 @@ def progress(what: str) -> Iterator[Callable[[float], None]]:
         TaskProgressColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=err, transient=True) as bar:
+    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
         task = bar.add_task(what, total=1.0)
 
         def report(fraction: float) -> None:
@@ -442,8 +484,6 @@ def _print_metrics(result: "Run", title: str) -> None:
     from osculate.study.report import metric_rows
 
     _print_rows(title, metric_rows(result.metrics))
-    style: Any = "bold red" if result.metrics.ended in ("diverged", "safety stop") else "none"
-    out.print(f"The run {result.message}.", style=style)
     for done in result.interventions:
         out.print(str(done), style="yellow", markup=False)
 

@@ -61,10 +61,10 @@ class StopMemory(NamedTuple):
 
 @kernel
 def watch_readings(
-    evidence: Evidence, undecided: float, progress: float, now: StopMemory, p: StopParameters
+    evidence: Evidence, undecided: float, arrived: bool, now: StopMemory, p: StopParameters
 ) -> Alarm:
     """The alarm of what is missing, of the stop input, and of the path's end."""
-    alarm = select(progress >= p.end, Alarm(ARRIVED, 0.0, 0.0), Alarm(0.0, 0.0, 0.0))
+    alarm = select(arrived, Alarm(ARRIVED, 0.0, 0.0), Alarm(0.0, 0.0, 0.0))
     alarm = select(evidence.wheels_age > p.wheels, Alarm(UNDRIVEN, 0.0, WHEELS), alarm)
     alarm = select(evidence.fix_age > p.pose, Alarm(BLIND, 0.0, POSE), alarm)
     alarm = select(evidence.located > 0.0, alarm, Alarm(WAITING, 0.0, POSE))

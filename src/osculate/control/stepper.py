@@ -21,7 +21,7 @@ from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
 from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import Tables, compose, leaves, rebuild, zeros
-from osculate.target.speed import Limits
+from osculate.target.speed import RESTING, Begin, Limits
 from osculate.vehicle.measurement import NO_FIX, Fix, Measurement
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Tricycle
@@ -60,7 +60,7 @@ class Stepper:
     Raises:
         InvalidInput: A period that is not positive, a delay that is not a multiple of it, a motion that is
             not finite, a place that is not on the curve, or a part of another kind.
-        NoSolution: The robot cannot follow the curve.
+        NoSolution: The robot cannot follow the curve, or moves too fast at its start.
     """
 
     def __init__(
@@ -91,7 +91,8 @@ class Stepper:
         tables = Tables()
         task = (curve, robot, limits, period, slots)
         foreseen, ceiling = foresee(safety, *task)
-        self._road, self.plan = survey(*task, tables, ceiling)
+        begin = RESTING if motion is None or progress > 0.0 else Begin(0.0, motion.speed)
+        self._road, self.plan = survey(*task, tables, ceiling, begin)
         self._law, self._curve, self._estimator, self._safety = law, curve, estimator, safety
         self.caution = foreseen.caution(self.plan) if foreseen else None
         self.length, self.table = curve.length, self._road.curve
@@ -206,7 +207,7 @@ class Stepper:
 
     @property
     def arrived(self) -> bool:
-        """Whether the robot has come to the end of the path, where it brakes and stands."""
+        """Whether the robot is at the end of the path, where it brakes and stands."""
         return self.memory.stop.alarm.reason == ARRIVED
 
     @property
@@ -221,8 +222,9 @@ class Stepper:
 
     @property
     def finished(self) -> bool:
-        """Whether the end of the curve is reached."""
-        return self.progress >= self.length
+        """Whether the path is done: the robot stands at its end, or passes it where it shall do so."""
+        passes = self._road.arrival.end == math.inf
+        return self.arrived and (passes or self.standing)
 
     @property
     def _whole(self) -> Any:

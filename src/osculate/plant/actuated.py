@@ -36,8 +36,11 @@ class ActuatedPlant(Plant):
 
     def real(self, robot: Tricycle) -> Tricycle:
         """The robot as it is: loaded, its wheels worn."""
+        bare = robot.weight / robot.gravity
+        moment = bare * robot.centre_ahead + self.payload * robot.wheelbase / 2.0
         return robot.but(
             body_mass=robot.body_mass + self.payload,
+            centre_ahead=moment / (bare + self.payload),
             wheel_radius=robot.wheel_radius * (1.0 - self.wheel_wear),
         )
 

@@ -5,7 +5,6 @@ from typing import Literal
 import numpy as np
 
 from osculate.control.contract import Start
-from osculate.errors import InvalidInput
 from osculate.kernel.maths import atan, sincos
 from osculate.plant.actuated import CRAWL, ActuatedPlant
 from osculate.plant.contract import PlantPart
@@ -21,12 +20,7 @@ MARGIN = 0.8  # of that limit: loads that shift stiffen a tyre by up to a quarte
 
 
 class Slip(ActuatedPlant):
-    """The robot with its actuators on tyres that slip.
-
-    Raises:
-        InvalidInput: A robot whose wheels and centre of mass leave its body no inertia, or whose centre
-            of mass is not between axle and steered wheel (from `part` and `longest_step`).
-    """
+    """The robot with its actuators on tyres that slip."""
 
     kind: Literal["slip"] = "slip"
     friction: float = quantity("1", "friction of a tyre, along the wheel", default=0.8, gt=0)
@@ -62,20 +56,7 @@ class Slip(ActuatedPlant):
         real = self.real(robot)
         a, d, radius, spin = real.wheelbase, real.track_width, real.wheel_radius, real.wheel_inertia
         mass, turn = real.weight / real.gravity, real.wheel_angle(1.0)
-        bare = robot.weight / robot.gravity
-        centre = (bare * robot.centre_ahead + self.payload * a / 2.0) / mass
         carried = real.turn_inertia - spin * (a**2 + d**2 / 2.0) / radius**2
-        inertia = carried - mass * centre**2
-        if inertia <= 0.0:
-            raise InvalidInput(
-                "robot.body_inertia",
-                robot.body_inertia,
-                f"must be above {robot.body_inertia - inertia:.6g} kg m² on a plant whose tyres slip",
-            )
-        if not 0.0 <= centre <= a:
-            raise InvalidInput(
-                "robot.centre_ahead", robot.centre_ahead, "must be between axle and steered wheel"
-            )
         tyre = TyreParameters(
             self.friction, self.lateral_friction**-2, self.stiffness, self.creep**2,
             spots(self.patches),
@@ -86,8 +67,8 @@ class Slip(ActuatedPlant):
             tyre=tyre,
             mass=mass,
             weight=real.weight,
-            yaw_inertia=inertia,
-            centre=turn * centre,
+            yaw_inertia=carried - mass * real.centre_ahead**2,
+            centre=turn * real.centre_ahead,
             height=real.centre_height,
             reach=turn * a,
             turn=turn,

@@ -62,6 +62,12 @@ class Block(Obstacle):
     def _area(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
         if len(corners) < 3 or not np.isfinite(corners).all():
             raise ValueError("must be at least three finite corners")
+        import shapely
+
+        if not shapely.Polygon(corners).is_valid:
+            raise ValueError(
+                "must be the corners in order, round an outline that does not cross itself"
+            )
         return corners
 
     def outline(self, start: tuple[float, float]) -> NDArray[np.float64]:
@@ -76,6 +82,13 @@ class Scene(Spec):
     """What is there: the obstacles around a path."""
 
     obstacles: tuple[AnyObstacle, ...] = ()
+    corridor: float | None = quantity(
+        "m",
+        "half-width of the corridor around the path: a run in which O is as far from the path has left "
+        "it; by default 1 m, or the safety layer's",
+        default=None,
+        gt=0,
+    )
 
     @cached_property
     def is_empty(self) -> bool:
@@ -93,7 +106,7 @@ class Scene(Spec):
             if isinstance(obstacle, Wall) else obstacle
             for obstacle in self.obstacles
         )  # fmt: skip
-        return Scene(obstacles=tuple(placed))
+        return self.but(obstacles=tuple(placed))
 
     def geometry(self, start: tuple[float, float]) -> Any:
         """The union of all outlines, as a Shapely geometry in the map frame."""
@@ -127,12 +140,24 @@ class Scene(Spec):
             return np.full(np.shape(x), np.inf)
         import shapely
 
-        body = np.array([*corners, corners[0]])
-        cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
-        outline_x = x[:, None] + cosine * body[:, 0] - sine * body[:, 1]
-        outline_y = y[:, None] + sine * body[:, 0] + cosine * body[:, 1]
-        robots = shapely.polygons(np.stack([outline_x, outline_y], axis=-1))
         obstacles = self.geometry(start)
         shapely.prepare(obstacles)
+        robots = bodies_at(corners, x, y, heading)
         distance: NDArray[np.float64] = shapely.distance(robots, obstacles)
         return distance
+
+
+def bodies_at(
+    corners: tuple[tuple[float, float], ...],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    heading: NDArray[np.float64],
+) -> Any:
+    """A robot's footprint wherever it is, as Shapely polygons of shape (n,): see `Scene.clearance`."""
+    import shapely
+
+    body = np.array([*corners, corners[0]])
+    cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+    outline_x = x[:, None] + cosine * body[:, 0] - sine * body[:, 1]
+    outline_y = y[:, None] + sine * body[:, 0] + cosine * body[:, 1]
+    return shapely.polygons(np.stack([outline_x, outline_y], axis=-1))

@@ -5,6 +5,7 @@ from osculate.simulation.clock import AnyClock, Clock, Continuous, Sampled
 from osculate.simulation.loop import InitialState, Setup
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.run import Run, simulate
+from osculate.simulation.verdict import Verdict, VerdictKind
 
 __all__ = [
     "AnyClock",
@@ -16,6 +17,8 @@ __all__ = [
     "Run",
     "Sampled",
     "Setup",
+    "Verdict",
+    "VerdictKind",
     "simulate",
     "simulate_batch",
     "variable_names",

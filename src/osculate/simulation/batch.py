@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import leaves
+from osculate.scene import Scene
 from osculate.simulation.alike import close_alike
 from osculate.simulation.blocks import (
     Finished,
@@ -21,11 +22,14 @@ from osculate.simulation.blocks import (
     run_block,
 )
 from osculate.simulation.columns import LANES, Columns, places_of
+from osculate.simulation.hits import HitWatch, scene_of
 from osculate.simulation.loop import Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
+from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
 from osculate.simulation.run import make_setup
 from osculate.simulation.size import longest, require_callable, require_size, require_whole
 from osculate.simulation.variables import RATES, Variable, variables_of
+from osculate.simulation.verdict import Hit, Outcome, Verdict
 
 RESOLUTION = 1e-9  # s, within which two times are the same
 
@@ -42,6 +46,8 @@ class Batch:
         record: Shape (runs, rows, variables). Once a run has ended its record stands still: where it
             ended, with speeds, targets, torques and errors of speed 0. Empty without a record.
         variables: What the record holds, in order.
+        outcomes: How the runs went and ended; leaves of shape (runs,).
+        hits: The first contact of every run with an obstacle.
     """
 
     setup: Setup
@@ -50,6 +56,13 @@ class Batch:
     time: NDArray[np.float64]
     record: NDArray[np.float64]
     variables: tuple[Variable, ...]
+    outcomes: Outcome
+    hits: tuple[Hit | None, ...]
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What became of every run."""
+        return tuple(verdicts(self.outcomes, self.hits))
 
     @cached_property
     def data(self) -> Any:
@@ -65,6 +78,7 @@ def simulate_batch(
     *,
     runs: int | None = None,
     vary: Mapping[str, ArrayLike] | None = None,
+    scene: Scene | None = None,
     record_every: int = 0,
     threads: int | None = None,
     report: Report | None = None,
@@ -81,6 +95,7 @@ def simulate_batch(
         robot: A robot, or a list of robots.
         runs: How many runs; needed only if no list and no array says so.
         vary: Name of a kernel parameter or initial value to values, shape (runs,).
+        scene: Obstacles, for hits, and a corridor, for all runs; with obstacles every step is looked at.
         record_every: Keep every this many steps of all runs, the first one included; 0 keeps metrics only.
         threads: Threads that work on blocks of lanes; by default all processors.
         report: Called with the fraction of the runs that are done.
@@ -98,7 +113,10 @@ def simulate_batch(
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
     varied = {name: _numbers(name, values) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
-    loops = _close_loops(given, count)
+    around = scene or Scene()
+    setups = _setups(given, count)
+    loops = [in_corridor(loop, around) for loop in close_alike(setups)]
+    scenes = [scene_of(s, k.setup, around) for s, k in zip(setups, loops, strict=True)]
     columns = Columns(loops, varied, count)
     first = loops[0]
     clock = first.setup.clock
@@ -110,17 +128,21 @@ def simulate_batch(
     starts = range(0, count, LANES)
     done = 0
     pieces: list[tuple[Any, Any, NDArray[np.float64]]] = []
+    hits: list[Hit | None] = []
+
+    def run(start: int) -> tuple[Finished, list[Hit | None]]:
+        return _run(first, columns, start, record_every, scenes)
+
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        for start, block in zip(
-            starts, pool.map(lambda s: _run(first, columns, s, record_every), starts), strict=True
-        ):
+        for start, (block, touched) in zip(starts, pool.map(run, starts), strict=True):
             used = min(LANES, count - start)
             record = np.moveaxis(block.record[..., :used], 2, 0)
             pieces.append((block.runs[:, :used], block.last[:, :used], record))
+            hits += touched
             done += used
             if report:
                 report(done / count)
-    return _collect(first, columns, pieces, record_every)
+    return _collect(columns, pieces, record_every, around, hits)
 
 
 def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -136,8 +158,17 @@ def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:
     return sorted(places_of(loop))
 
 
-def _run(loop: Loop, columns: Columns, start: int, every: int) -> Finished:
-    return run_block(loop, columns.block(start), every)
+def _run(
+    loop: Loop, columns: Columns, start: int, every: int, scenes: list[Scene]
+) -> tuple[Finished, list[Hit | None]]:
+    """The block of the lanes from run ``start``, and what its runs touch."""
+    runs = range(start, min(start + LANES, columns.count))
+    if scenes[0].is_empty:
+        return run_block(loop, columns.block(start), every), [None] * len(runs)
+    here = [scenes[n if len(scenes) > 1 else 0] for n in runs]
+    watch = HitWatch([columns.loop(n).setup for n in runs], here, loop.row)
+    block = run_block(loop, columns.block(start), every, watch=watch.see)
+    return block, watch.hits()
 
 
 def _count(
@@ -168,28 +199,30 @@ def _is_list(name: str, value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def _close_loops(given: Mapping[str, Any], count: int) -> list[Loop]:
-    """One loop if no argument is a list, else one for every run, all of one kind and shape."""
+def _setups(given: Mapping[str, Any], count: int) -> list[Setup]:
+    """One setup if no argument is a list, else one for every run."""
     several = count if any(_is_list(name, v) for name, v in given.items()) else 1
     setups = []
     for n in range(several):
         here = {name: v[n] if _is_list(name, v) else v for name, v in given.items()}
         setups.append(make_setup(here.pop("curve"), here.pop("robot", None), here))
-    return close_alike(setups)
+    return setups
 
 
 def _collect(
-    loop: Loop,
     columns: Columns,
     pieces: list[tuple[Any, Any, NDArray[np.float64]]],
     every: int,
+    scene: Scene,
+    hits: list[Hit | None],
 ) -> Batch:
+    loop = columns.loops[0]
     final = final_run(loop, np.concatenate([p[0] for p in pieces], axis=1))
     last = last_row(loop, np.concatenate([p[1] for p in pieces], axis=1))
     curves = [c.setup.curve for c in columns.loops]
     lengths = np.array([curve.length for curve in curves])
-    ends = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
-    metrics = summarise(final, last, lengths, (ends[:, 0], ends[:, 1]))
+    goals = np.array([[float(v) for v in curve.at(curve.length)[:2]] for curve in curves])
+    metrics = summarise(final, last, lengths, (goals[:, 0], goals[:, 1]))
     rows = max(p[2].shape[1] for p in pieces)
     record = np.concatenate([_padded(p[2], rows) for p in pieces])
     clock = loop.setup.clock
@@ -198,7 +231,18 @@ def _collect(
     record = record[..., : len(variables)]
     latest = np.stack([*leaves(last)], axis=-1)[:, : len(variables)]
     _stand_still(record, time, final.status.time, latest, variables)
-    return Batch(loop.setup, dict(columns.varied), metrics, time, record, variables)
+    went = outcomes(final, last, **_paths(columns, scene))
+    varied = dict(columns.varied)
+    return Batch(loop.setup, varied, metrics, time, record, variables, went, tuple(hits))
+
+
+def _paths(columns: Columns, scene: Scene) -> dict[str, Any]:
+    """What `outcomes` has to know of all paths, laws and corridors, each of shape (runs,)."""
+    each = [path_of(loop, scene) for loop in columns.loops]
+    known = {name: np.array([path[name] for path in each]) for name in each[0]}
+    if "events.half_width" in columns.varied:
+        known["half_width"] = columns.varied["events.half_width"]
+    return known
 
 
 def _padded(record: NDArray[np.float64], rows: int) -> NDArray[np.float64]:

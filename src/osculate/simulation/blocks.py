@@ -17,6 +17,7 @@ CHUNK = 2048  # steps between two reports of progress
 FIRST_BYTES = 64_000_000  # of a record, before it grows
 
 Report = Callable[[float], None]
+Watch = Callable[[NDArray[np.float64]], None]
 
 
 class Block(NamedTuple):
@@ -44,7 +45,13 @@ class Finished:
     last: NDArray[np.float64]  # shape (leaves of Row, lanes), the row at the last instant
 
 
-def run_block(loop: Loop, block: Block, every: int = 0, report: Report | None = None) -> Finished:
+def run_block(
+    loop: Loop,
+    block: Block,
+    every: int = 0,
+    report: Report | None = None,
+    watch: Watch | None = None,
+) -> Finished:
     """Run one block from start to end.
 
     Args:
@@ -52,6 +59,7 @@ def run_block(loop: Loop, block: Block, every: int = 0, report: Report | None = 
         block: Initial runs and their parameters; not changed.
         every: Record every this many steps; 0 records nothing.
         report: Called with the fraction of the steps made.
+        watch: Called with the rows of every step, shape (rows, leaves of Row, lanes), as they are made.
     """
     runs, minds = block.runs.copy(), block.minds.copy()
     lanes = runs.shape[1]
@@ -60,17 +68,24 @@ def run_block(loop: Loop, block: Block, every: int = 0, report: Report | None = 
     chunk = clock.substeps if loop.sampled else CHUNK
     rows = 0 if every == 0 else (clock.steps + every - 1) // every
     record = np.empty((min(rows, FIRST_BYTES // (8 * size(row) * lanes)), size(row), lanes))
+    rows_of_chunk = np.empty((chunk if watch else 0, size(row), lanes))
     made = filled = reported = 0
     while made < clock.steps:
         steps = min(chunk, clock.steps - made)
         record = _roomy(record, filled, min(rows, filled + steps))
         decide(made * clock.step)
+        target = rows_of_chunk if watch else record[filled:]
         done = engine.run_block(
             runs, block.parameters, loop.tables, made, steps, clock.step, clock.substeps,
-            max(every, 1), record[filled:],
+            1 if watch else max(every, 1), target,
         )  # fmt: skip
+        begun, before = made, filled
         made += done
         filled = 0 if every == 0 else (made + every - 1) // every
+        if watch:
+            watch(target[:done])
+        if watch and every:
+            record[before:filled] = target[before * every - begun : done : every]
         if report and (made - reported >= CHUNK or made == clock.steps):
             reported = made
             report(made / clock.steps)
@@ -78,6 +93,8 @@ def run_block(loop: Loop, block: Block, every: int = 0, report: Report | None = 
             break
     last = np.empty((size(row), lanes))
     engine.land_block(runs, block.parameters, loop.tables, clock.step, clock.substeps, last)
+    if watch:
+        watch(last[None])
     return Finished(runs, minds, record[:filled], last)
 
 

@@ -51,6 +51,10 @@ class Columns:
         for name, values in varied.items():
             _require_numbers(loops[0], name, values)
 
+    def loop(self, run: int) -> Loop:
+        """The closed loop of a run."""
+        return self.loops[run if len(self.loops) > 1 else 0]
+
     def block(self, start: int) -> Block:
         """The runs of the lanes from run ``start``; the last one is repeated."""
         index = np.minimum(np.arange(start, start + LANES), self.count - 1)

@@ -8,6 +8,7 @@ import numpy as np
 from osculate.simulation.loop import Setup
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.variables import BY_NAME
+from osculate.simulation.verdict import Verdict
 from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
@@ -20,6 +21,15 @@ if TYPE_CHECKING:
 def attributes(setup: Setup) -> dict[str, str]:
     """The global attributes of a record: what was run, as JSON a scenario file could hold."""
     return {"source": "osculate", "setup": strict_json(plain_parts(setup))}
+
+
+def verdict_labels(verdict: Verdict) -> dict[str, str]:
+    """The verdict as global attributes: its kind, its sentence, and all of it as JSON."""
+    return {
+        "verdict": str(verdict.kind),
+        "ended": verdict.sentence,
+        "verdict_details": strict_json(verdict.as_dict()),
+    }
 
 
 def plain_parts(setup: Setup) -> dict[str, Any]:
@@ -46,7 +56,7 @@ def run_dataset(run: "Run") -> "xarray.Dataset":
     return xarray.Dataset(
         variables,
         coords={"time": ("time", run.columns["time"], {"units": "s", "long_name": time.long_name})},
-        attrs={**attributes(run.setup), "ended": run.message},
+        attrs={**attributes(run.setup), **verdict_labels(run.verdict)},
     )
 
 
@@ -66,8 +76,9 @@ def batch_dataset(batch: "Batch") -> "xarray.Dataset":
         for n, v in enumerate(batch.variables)
         if len(batch.time) and v.name != "time"
     }
+    kinds = np.array([str(verdict.kind) for verdict in batch.verdicts])
     return xarray.Dataset(
-        {**metrics, **series},
+        {**metrics, "verdict": ("run", kinds, {"long_name": "what became of the run"}), **series},
         coords={
             **{name: ("run", np.asarray(values)) for name, values in batch.varied.items()},
             **({"time": ("time", batch.time, {"units": "s"})} if len(batch.time) else {}),
@@ -86,7 +97,7 @@ def write_netcdf(run: "Run", path: Path) -> Path:
             variable = file.createVariable(v.name, np.dtype(">f8"), ("time",))
             variable[:] = run.columns[v.name]
             _label(variable, {"units": v.unit, "long_name": v.long_name})
-        _label(file, {**attributes(run.setup), "ended": run.message})
+        _label(file, {**attributes(run.setup), **verdict_labels(run.verdict)})
     return path
 
 

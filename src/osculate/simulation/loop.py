@@ -1,6 +1,7 @@
 """A closed loop: one choice of every part, made once, before anything runs."""
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -28,14 +29,17 @@ from osculate.plant import (
     Push,
     Reduced,
     Sensors,
+    Slip,
     World,
     world_of,
 )
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
 from osculate.plant.faults import HEARD
+from osculate.plant.grip import foresee_sliding
 from osculate.plant.sensors import sense_exactly, sense_noisily
 from osculate.plant.weather import blow_all, blow_nothing, impair, impair_nothing
 from osculate.simulation.clock import Clock, Continuous, Sampled
+from osculate.simulation.events import EventParameters, event_parameters, no_events
 from osculate.simulation.records import (
     RUNNING,
     Held,
@@ -50,11 +54,13 @@ from osculate.simulation.records import (
 from osculate.simulation.tally import empty_tally
 from osculate.spec import Spec, quantity
 from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
+from osculate.target.speed import Begin, rests_at_end
 from osculate.vehicle import Command, Motion, Tricycle
 
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
+ROLLED = 0.02  # m beyond the end, at which a robot that should have come to rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
@@ -89,6 +95,11 @@ class InitialState(Spec):
     approach: bool = quantity(
         "1", "whether a tracker may plan a way onto the curve from a start far off it", default=True
     )
+    target_heading: float | None = quantity(
+        "rad",
+        "heading at which a target begins to integrate, θ̂(0); by default the curve's",
+        default=None,
+    )
     settled: float = quantity(
         "m", "errors count from this arc length on: not while the start is made good", default=0.0
     )
@@ -97,13 +108,19 @@ class InitialState(Spec):
         """The initial state in the map frame.
 
         Raises:
-            InvalidInput: A start beyond the end of the curve.
+            InvalidInput: A start, or the place from which errors count, beyond the end of the curve.
         """
         if self.arc_length >= curve.length:
             raise InvalidInput(
                 "initial.arc_length",
                 self.arc_length,
                 f"must be below the curve's length of {curve.length:.6g} m",
+            )
+        if self.settled >= curve.length:
+            raise InvalidInput(
+                "initial.settled",
+                self.settled,
+                f"must be below the curve's length of {curve.length:.6g} m: no error would count",
             )
         point = curve.at(self.arc_length)
         heading = float(point.heading)
@@ -149,7 +166,7 @@ class Loop:
     plan: SpeedPlan | None = None  # of a path tracker
     decide: Decide | None = None  # where steering decisions come from Python
     row: Row = BLANK  # shape of its record
-    caution: str | None = None  # what a safety layer foresees
+    caution: str | None = None  # what is foreseen of it
 
     @cached_property
     def _composed(self) -> dict[tuple[str, int], Any]:
@@ -270,23 +287,44 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     delay = round(clock.delay / clock.period)
     task = (curve, setup.robot, setup.limits, clock.period, delay)
     foreseen, ceiling = foresee(setup.safety, *task)
-    road, plan = survey(*task, tables, ceiling)
     start = setup.initial.on(curve)
+    begin = Begin(setup.initial.arc_length, start.speed)
+    road, plan = survey(*task, tables, ceiling, begin)
     pilot = make_pilot(setup, road, start)
     parts = {
         "pace": Nothing(),
         "target": Nothing(),
         "finish": math.inf,
-        "path_end": curve.length,
+        "path_end": path_end(curve, setup.limits),
         "deadline": math.inf,
     }
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
-    if foreseen is not None:
-        loop = replace(loop, caution=foreseen.caution(plan))
+    stuck = foreseen.caution(plan) if foreseen is not None else None
+    loop = replace(loop, caution=cautions(setup, checked_world(setup), plan, stuck))
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
+
+
+def cautions(setup: Setup, world: World, plan: SpeedPlan, stuck: str | None) -> str | None:
+    """What is foreseen of a run, in sentences; None if nothing. Sliding is warned of.
+
+    Args:
+        setup: What is going to run.
+        world: Its plant, with all faults.
+        plan: Its speeds.
+        stuck: What becomes of it if its steering gets stuck.
+    """
+    sliding = foresee_sliding(world.plant, setup.robot, setup.limits, setup.curve, plan)
+    if sliding is not None:
+        warnings.warn(sliding, stacklevel=2)
+    return "; ".join(text for text in (stuck, sliding) if text) or None
+
+
+def path_end(curve: Curve, limits: Limits) -> float:
+    """Arc length (m) at which a run is over at any speed: beyond the end if the robot rests there."""
+    return curve.length + (ROLLED if rests_at_end(curve, limits) else 0.0)
 
 
 def sampled_clock(setup: Setup) -> Sampled:
@@ -390,6 +428,7 @@ def _assemble(
         delay=float(clock.delay_steps + round(world.delay / clock.step)),
         speed_limit=SPEED_LIMIT,
         settled=setup.initial.settled,
+        events=corridor_of(setup),
         **parts,
         **(dict.fromkeys(law, Nothing()) if sampled else law),
     )
@@ -402,11 +441,11 @@ def _assemble(
         **law,
     )
     rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0, 0.0)
-    place = setup.initial.arc_length
+    place, heading = setup.initial.arc_length, setup.initial.target_heading
     state = State(
         plant.state,
         DisturbanceMemory(0.0),
-        TargetMemory(place, float(setup.curve.at(place).heading)),
+        TargetMemory(place, float(setup.curve.at(place).heading) if heading is None else heading),
         Nothing() if sampled else control.memory,
     )
     insight: Any = Nothing()
@@ -428,13 +467,20 @@ def _assemble(
         "wheels": plant.wheels,
         **around.bindings,
     }
-    initial = Progress(state, empty_tally(place), Status(RUNNING, 0.0), held)
+    events = no_events(start.x, start.y)
+    initial = Progress(state, empty_tally(place), events, Status(RUNNING, 0.0), held)
     row = BLANK._replace(insight=insight)
     mind = Mind(control.memory, around.memory) if sampled else Nothing()
     return Loop(
         setup, {**bindings, **shared}, parameters, initial, mind, thought if sampled else Nothing(),
         tables.array, plan, row=row,
     )  # fmt: skip
+
+
+def corridor_of(setup: Setup) -> EventParameters:
+    """What counts as leaving the path and going backwards, if the scene has no corridor."""
+    slippery = isinstance(setup.plant, Slip | Mujoco)
+    return event_parameters(setup.robot, setup.initial.settled, setup.safety, slippery)
 
 
 class Surroundings(NamedTuple):

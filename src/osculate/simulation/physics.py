@@ -20,24 +20,31 @@ from osculate.plant import Mujoco, Push, World
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report
 from osculate.simulation.clock import Sampled
+from osculate.simulation.events import EventParameters, no_events, watch_events
+from osculate.simulation.hits import clearance_of, find_hit, scene_of
 from osculate.simulation.loop import (
     BLANK,
     SPEED_LIMIT,
     TEMPLATES,
     Setup,
     Surroundings,
+    cautions,
     checked_world,
     estimator_of,
     motion_at,
+    path_end,
     sampled_clock,
     surroundings,
     with_approach,
 )
-from osculate.simulation.metrics import Metrics
-from osculate.simulation.records import Row
-from osculate.simulation.run import Run, clearance_of, scene_of, stop_message
+from osculate.simulation.metrics import ENDINGS, Metrics
+from osculate.simulation.outcomes import corridor_in, describe_path
+from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED, Row
+from osculate.simulation.run import Run
+from osculate.simulation.tally import empty_tally
 from osculate.simulation.templates.engine import STANDSTILL
 from osculate.simulation.variables import variables_of
+from osculate.simulation.verdict import Outcome, Verdict, judge
 from osculate.target import Reference
 from osculate.vehicle import Command, Motion
 from osculate.vehicle.measurement import NO_FIX, Measurement
@@ -62,26 +69,30 @@ def run_physics(setup: Setup, scene: Scene, report: Report | None = None) -> Run
     given, setup = setup, with_approach(setup)
     scene = scene_of(given, setup, scene)
     start = setup.initial.on(setup.curve)
-    drive = _Drive(setup, world, clock, start)
-    ended = "time"
+    drive = _Drive(setup, world, clock, start, corridor_in(setup, scene))
+    caution = cautions(setup, world, drive.stepper.plan, drive.stepper.caution)
+    code = RUNNING
     for n in range(clock.steps + 1):
         if report and n % max(1, clock.steps // REPORTS) == 0:
             report(n / clock.steps)
-        ended = drive.observe(n)
-        if ended != "time":
+        code = drive.observe(n)
+        if code != RUNNING:
             break
         drive.advance()
     columns = drive.columns()
-    metrics = _metrics(setup, scene, columns, ended)
+    near = None if scene.is_empty else clearance_of(setup, scene, columns)
+    metrics = _metrics(setup, columns, near, ENDINGS[code])
+    verdict = _verdict(setup, scene, drive, columns, code, near)
     stepper = drive.stepper
-    message = _message(columns, ended, float(stepper.memory.stop.alarm.reason))
-    return Run(setup, scene, columns, metrics, message, stepper.plan, stepper.caution)
+    return Run(setup, scene, columns, metrics, verdict, stepper.plan, caution)
 
 
 class _Drive:
     """One run under way."""
 
-    def __init__(self, setup: Setup, world: World, clock: Sampled, start: Start) -> None:
+    def __init__(
+        self, setup: Setup, world: World, clock: Sampled, start: Start, corridor: EventParameters
+    ) -> None:
         plant, law = world.plant, setup.controller
         assert isinstance(plant, Mujoco)
         assert isinstance(law, PathTracker)
@@ -98,29 +109,41 @@ class _Drive:
         waits = clock.delay_steps + round(world.delay / clock.step) + 1
         self.pipe: deque[Command] = deque([rest] * waits, maxlen=waits)
         self.told, self.push = rest, Push(0.0, 0.0, 0.0, 0.0)
+        self.path_end = path_end(setup.curve, setup.limits)
         self.progress, self.travelled = setup.initial.arc_length, 0.0
         self.insight: Any = Nothing()
+        self.corridor, self.events = corridor, no_events(start.x, start.y)
+        self.tipped = False
         self.wanted = 0.0  # m/s, speed that the law aims at
         self.rows: list[list[float]] = []
 
-    def observe(self, n: int) -> str:
+    def observe(self, n: int) -> float:
         """Decide if it is time to, keep a row; whether and how the run has ended."""
         motion = self.robot.measure()
         t = n * self.clock.step
         if n % self.clock.substeps == 0:
             self._decide(t, motion)
         self.pipe.append(self.told)
-        if not np.isfinite(motion).all() or abs(motion.speed) > SPEED_LIMIT or self.robot.tipped:
-            return "diverged"
+        self.tipped = self.robot.tipped
+        if not np.isfinite(motion).all() or abs(motion.speed) > SPEED_LIMIT or self.tipped:
+            return DIVERGED
         row = self._row(t, motion)
+        self._watch(row, motion)
         self.rows.append(list(leaves(row)))
         self.progress = row.foot
-        if row.foot >= self.stepper.length:
-            return "path end"
+        if row.foot >= self.path_end:
+            return FINISHED
         if abs(motion.speed) < STANDSTILL and self.stepper.arrived:
-            return "path end"
+            return FINISHED
         stopped = self.stepper.stopping and abs(motion.speed) < STANDSTILL
-        return "safety stop" if stopped else "time"
+        return STOPPED if stopped else RUNNING
+
+    def _watch(self, row: Row, motion: Motion) -> None:
+        elapsed = self.clock.step if self.rows else 0.0
+        tally = empty_tally(row.foot)._replace(
+            cross_track=row.cross_track, heading_error=row.heading_error
+        )
+        self.events = watch_events(row.time, elapsed, motion, tally, self.events, self.corridor)
 
     def _decide(self, t: float, motion: Motion) -> None:
         seen = self.senses.sense(motion, self.robot.wheels())
@@ -206,7 +229,9 @@ def _column(value: Any) -> NDArray[np.float64]:
     return np.array(list(leaves(value)), dtype=float).reshape(-1, 1)
 
 
-def _metrics(setup: Setup, scene: Scene, c: dict[str, NDArray[np.float64]], ended: str) -> Metrics:
+def _metrics(
+    setup: Setup, c: dict[str, NDArray[np.float64]], clearance: Any, ended: str
+) -> Metrics:
     counts = c["foot"] >= setup.initial.settled
     off, turned = (np.where(counts, c[n], 0.0) for n in ("cross_track_error", "heading_error"))
     samples = max(int(counts.sum()), 1)
@@ -232,17 +257,29 @@ def _metrics(setup: Setup, scene: Scene, c: dict[str, NDArray[np.float64]], ende
         "end_position_error": np.hypot(c["x"][-1] - end.x, c["y"][-1] - end.y),
     }
     numbers = {name: float(value) for name, value in values.items()}
-    near = None if scene.is_empty else float(clearance_of(setup, scene, c).min())
+    near = None if clearance is None else float(clearance.min())
     assert {*numbers, "clearance_min", "ended"} == {field.name for field in fields(Metrics)}
     return Metrics(**numbers, clearance_min=near, ended=ended)
 
 
-def _message(c: dict[str, NDArray[np.float64]], ended: str, stop: float) -> str:
-    time, speed = c["time"][-1], c["speed"][-1]
-    if ended == "path end":
-        return f"reached the end of the path at t = {time:.3f} s, moving at {speed:.3f} m/s"
-    if ended == "safety stop":
-        return stop_message(stop, c)
-    if ended == "diverged":
-        return f"diverged after t = {time:.3f} s: the robot tipped over or left all bounds"
-    return f"ended after its duration of {time:.3f} s, {c['arc_length'][-1]:.4f} m on the path"
+def _verdict(
+    setup: Setup, scene: Scene, drive: _Drive, c: dict[str, NDArray[np.float64]], code: float,
+    clearance: Any,
+) -> Verdict:  # fmt: skip
+    last = {name: float(values[-1]) for name, values in c.items()}
+    outcome = Outcome(
+        code=code,
+        tipped=float(drive.tipped),
+        place=last["foot"],
+        cross_track=last["cross_track_error"],
+        intervention=last.get("intervention", 0.0),
+        excess=last.get("corridor_excess", 0.0),
+        cause=last.get("intervention_cause", 0.0),
+        stop=float(drive.stepper.memory.stop.alarm.reason) if code == STOPPED else 0.0,
+        slid=drive.events.slid,
+        first=drive.events.first,
+        **{name: last[name] for name in ("time", "arc_length", "x", "y", "speed")},
+        **describe_path(setup, scene, drive.corridor.half_width),
+    )
+    hit = None if clearance is None else find_hit(setup, scene, c, clearance)
+    return judge(outcome, hit)

@@ -1,6 +1,7 @@
 """Drawing a run: panels that only draw what the record holds, and one overview of them."""
 
 from collections.abc import Callable
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 BLUE, ORANGE, GREEN, GREY, RED = "#1f5fa8", "#d9730d", "#2e8b57", "#8a8f98", "#b3261e"
 FOOTPRINTS = 12  # drawn along the path
 POINTS = 1500  # drawn of a line
+LETTERS = 14  # of a title, per inch
 
 
 def new_figure(width: float, height: float, mosaic: Any = (("only",),), **layout: Any) -> Any:
@@ -57,8 +59,19 @@ def path_panel(ax: "Axes", run: "Run") -> None:
         ax.add_patch(Polygon(outline, fill=False, edgecolor=BLUE, linewidth=0.9))
     ax.plot(*start, "o", color=GREEN, markersize=5, label="start")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set(xlabel="x (m)", ylabel="y (m)", title="Path")
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    _verdict_title(ax, run)
     ax.legend(loc="best", frameon=False, fontsize="small")
+
+
+def _verdict_title(ax: "Axes", run: "Run") -> None:
+    """The verdict as the title, red unless the end was reached, and a cross where something happened."""
+    verdict, width = run.verdict, ax.figure.get_figwidth()  # type: ignore[union-attr]
+    colour, sign = (GREEN, "✓") if verdict.reached else (RED, "✗")
+    lines = wrap(f"{sign} {verdict}", round(LETTERS * width))
+    ax.set_title("\n".join(lines), color=colour, fontsize=8, loc="left")
+    if not verdict.reached:
+        ax.plot([verdict.x], [verdict.y], "x", color=RED, markersize=9, zorder=9)
 
 
 def footprints(run: "Run", count: int = FOOTPRINTS) -> list[Any]:

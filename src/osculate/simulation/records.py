@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 from osculate.control.contract import Errors
 from osculate.curve.table import CurveTable
 from osculate.plant.contract import Push
+from osculate.simulation.events import EventMemory, EventParameters
 from osculate.simulation.tally import Tally
 from osculate.target.contract import Reference, TargetMemory
 from osculate.vehicle.motion import Command, Motion
@@ -24,10 +25,13 @@ class Parameters(NamedTuple):
     curve: CurveTable
     delay: float  # steps between a command's decision and its effect (sampled clock)
     finish: float  # m, arc length at which the run is complete
-    path_end: float  # m, arc length of the nearest point at which a tracked run is complete
+    path_end: (
+        float  # m, arc length of the nearest point at which a tracked run is over at any speed
+    )
     deadline: float  # s, when the timetable of a static target is complete
     settled: float  # m, errors count from this arc length on
     speed_limit: float  # m/s, beyond which a run counts as diverged
+    events: EventParameters
 
 
 class Thought(NamedTuple):
@@ -95,6 +99,7 @@ class Moved(NamedTuple):
 
     state: State
     tally: Tally
+    events: EventMemory
     status: Status
 
 
@@ -103,6 +108,7 @@ class Progress(NamedTuple):
 
     state: State
     tally: Tally
+    events: EventMemory
     status: Status
     held: Any  # `Held` when the law is sampled
 

@@ -1,6 +1,5 @@
 """One simulated run: record, metrics and the objects it was made from."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,19 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.control import Controller, Ekf, PathTracker, Safety
-from osculate.control.reasons import CAUSES, REASONS, explain
+from osculate.control.reasons import CAUSES, REASONS
 from osculate.curve import Curve
 from osculate.errors import InvalidInput, require_kind
 from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Sensors
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
-from osculate.simulation.effects import require_effect
+from osculate.simulation.effects import require_effect, require_read
+from osculate.simulation.hits import clearance_of, find_hit, scene_of
 from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
-from osculate.simulation.records import DIVERGED, FINISHED, STOPPED
+from osculate.simulation.outcomes import in_corridor, outcomes, path_of, verdicts
+from osculate.simulation.records import DIVERGED
 from osculate.simulation.size import longest, require_callable, require_size, require_slots
 from osculate.simulation.variables import variables_of
+from osculate.simulation.verdict import Verdict
 from osculate.target import Limits, SpeedPlan, Target
 from osculate.vehicle import Tricycle
 
@@ -78,16 +80,17 @@ class Run:
         scene: What stood around.
         columns: The record: variable name to samples, shape (n,); ``time`` is one of them.
         metrics: Exactness and effort.
-        message: How the run ended, in words.
+        verdict: What became of it: what happened first, where and when.
         plan: The speed plan of a path tracker.
-        caution: Where a stuck steering would take it out of its corridor, in a sentence.
+        caution: What was foreseen before it began: where a stuck steering would take it out of its
+            corridor, why it may slide.
     """
 
     setup: Setup
     scene: Scene
     columns: dict[str, NDArray[np.float64]]
     metrics: Metrics
-    message: str
+    verdict: Verdict
     plan: SpeedPlan | None = None
     caution: str | None = None
 
@@ -95,6 +98,11 @@ class Run:
     def diverged(self) -> bool:
         """Whether the run had to be stopped; the record then ends with the last finite state."""
         return bool(self.metrics.ended == "diverged")
+
+    @property
+    def message(self) -> str:
+        """The verdict's sentence."""
+        return self.verdict.sentence
 
     @property
     def interventions(self) -> "list[Intervention]":
@@ -160,7 +168,7 @@ def simulate(
     Args:
         curve: The curve to follow.
         robot: The robot; by default the paper's.
-        scene: Obstacles, for the clearance.
+        scene: Obstacles, for the clearance and for hits, and a corridor.
         report: Called with the fraction of the run that is done.
         **parts: ``target``, ``controller``, ``plant``, ``disturbance``, ``clock``, ``initial``, ``limits``,
             ``sensors``, ``estimator``, ``safety``, ``faults`` (a tuple). Whatever is left out is the
@@ -223,6 +231,7 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
         require_kind(name, value, PARTS[name])
     for fault in named.get("faults", ()):
         require_kind("faults", fault, Fault)
+    require_read(parts)
     setup = Setup(**named)
     require_effect(setup)
     require_slots(setup.clock, sum(f.delay for f in setup.faults if isinstance(f, Late)))
@@ -231,6 +240,7 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
 
 def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     """Run a closed loop once, recording every step."""
+    loop = in_corridor(loop, scene)
     clock = loop.setup.clock
     steps, width = longest(clock, loop.plan) / clock.step, size(loop.row)
     require_size("clock.duration", clock.duration, steps * width, f"{steps:.3g} steps of {width}")
@@ -246,68 +256,15 @@ def run_loop(loop: Loop, scene: Scene, report: Report | None = None) -> Run:
     }
     curve = loop.setup.curve
     end = curve.at(curve.length)
-    on_time = loop.parameters.deadline < math.inf
     many = summarise(final, last_row(loop, done.last), curve.length, (float(end.x), float(end.y)))
     single = {
         name: None if value is None else np.asarray(value).item()
         for name, value in many.as_dict().items()
     }
+    hit = None
     if not scene.is_empty:
-        single["clearance_min"] = float(clearance_of(loop.setup, scene, columns).min())
-    stop = float(final.held.stop[0]) if code == STOPPED else 0.0
-    message = _message(code, on_time, stop, columns)
-    return Run(loop.setup, scene, columns, Metrics(**single), message, loop.plan, loop.caution)
-
-
-def scene_of(given: Setup, driven: Setup, scene: Scene) -> Scene:
-    """The scene of a run: walls stand ahead of the curve that was given, not of a way onto it."""
-    if driven.curve is given.curve:
-        return scene
-    begin = given.curve.at(0.0)
-    return scene.fixed((float(begin.x), float(begin.y)))
-
-
-def clearance_of(
-    setup: Setup, scene: Scene, columns: dict[str, NDArray[np.float64]]
-) -> NDArray[np.float64]:
-    """Distance from the footprint to the nearest obstacle (m) along a record, shape (n,)."""
-    begin = setup.curve.at(0.0)
-    return scene.clearance(
-        (float(begin.x), float(begin.y)),
-        setup.robot.footprint.corners,
-        columns["x"],
-        columns["y"],
-        columns["heading"],
-    )
-
-
-def stop_message(stop: float, columns: dict[str, NDArray[np.float64]]) -> str:
-    """How a run ended that was stopped for the reason with the number ``stop``."""
-    known = columns.get("intervention", np.zeros(1))[-1] == stop
-    excess, cause = (
-        float(columns[name][-1]) if known else 0.0
-        for name in ("corridor_excess", "intervention_cause")
-    )
-    why = explain(stop, excess, cause)
-    time, place = columns["time"][-1], columns["foot"][-1]
-    return f"ended at standstill at t = {time:.3f} s, {place:.3f} m on the path: {why}"
-
-
-def _message(
-    code: float, on_time: bool, stop: float, columns: dict[str, NDArray[np.float64]]
-) -> str:
-    time, speed = columns["time"][-1], columns["speed"][-1]
-    if code == FINISHED:
-        what = "completed its timetable" if on_time else "reached the end of the path"
-        return f"{what} at t = {time:.3f} s, moving at {speed:.3f} m/s"
-    if code == STOPPED:
-        return stop_message(stop, columns)
-    if code == DIVERGED:
-        return (
-            f"diverged after t = {time:.3f} s: the next state is not finite or beyond the speed "
-            f"limit; last speed {speed:.4g} m/s, yaw rate {columns['yaw_rate'][-1]:.4g} rad/s, "
-            f"cross-track error {columns['cross_track_error'][-1]:.4g} m"
-        )
-    return (
-        f"ended after its duration of {time:.3f} s, {columns['arc_length'][-1]:.4f} m on the path"
-    )
+        clearance = clearance_of(loop.setup, scene, columns)
+        single["clearance_min"] = float(clearance.min())
+        hit = find_hit(loop.setup, scene, columns, clearance)
+    (verdict,) = verdicts(outcomes(final, last_row(loop, done.last), **path_of(loop, scene)), [hit])
+    return Run(loop.setup, scene, columns, Metrics(**single), verdict, loop.plan, loop.caution)

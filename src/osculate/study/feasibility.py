@@ -53,7 +53,7 @@ class Feasibility:
         return self.steering_angle < self.steering_angle_limit
 
     @property
-    def verdict(self) -> str:
+    def conclusion(self) -> str:
         """One sentence."""
         if not self.feasible:
             return (

@@ -9,7 +9,7 @@ from osculate.simulation.metrics import Metrics
 from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
-    from osculate.simulation import Run
+    from osculate.simulation import Run, Verdict
     from osculate.study.scenario import Scenario
 
 
@@ -58,10 +58,31 @@ def write_output(
     return files
 
 
+def write_refusal(verdict: "Verdict", output: Path, scenario: "Scenario") -> Path:
+    """Write ``report.html`` and ``metrics.json`` of a scenario that the robot cannot drive.
+
+    Returns:
+        The report.
+
+    Raises:
+        InvalidInput: The folder cannot be made or written.
+    """
+    from osculate.study.report import write_refusal_report
+
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        content = strict_json({"verdict": verdict.as_dict()}, indent=2)
+        (output / "metrics.json").write_text(content + "\n", encoding="utf-8")
+        _write_scenario(scenario, output / "scenario.json")
+        return write_refusal_report(verdict, scenario, output / "report.html")
+    except OSError as error:
+        raise InvalidInput("output", str(output), f"must be a writable folder ({error})") from None
+
+
 def _write_metrics(run: "Run", path: Path) -> Path:
     values = run.metrics.as_dict()
     units = {name: unit for name, unit, _ in Metrics.items()}
-    content = {**values, "message": run.message, "units": units}
+    content = {"verdict": run.verdict.as_dict(), **values, "units": units}
     path.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
     return path
 

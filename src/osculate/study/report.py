@@ -12,7 +12,8 @@ from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints,
 from osculate.strict_json import strict_json
 
 if TYPE_CHECKING:
-    from osculate.simulation import Run
+    from osculate.simulation import Run, Verdict
+    from osculate.study.scenario import Scenario
     from osculate.target import SpeedPlan
 
 Trace = dict[str, Any]
@@ -65,8 +66,8 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
     page = _PAGE.format(
         title=html.escape(title),
         description=html.escape(description),
-        message=html.escape(f"The run {run.message}.") + _interventions(run),
-        kind="bad" if run.metrics.ended in ("diverged", "safety stop") else "good",
+        verdict=verdict_banner(run.verdict),
+        interventions=_interventions(run),
         rows="\n".join(
             f"<tr><th>{html.escape(label)}</th><td>{html.escape(value)}</td></tr>"
             for label, value in metric_rows(run.metrics)
@@ -83,10 +84,35 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
     return path
 
 
+def write_refusal_report(verdict: "Verdict", scenario: "Scenario", path: Path) -> Path:
+    """Write the page of a scenario that the robot cannot drive: there is no run to show."""
+    fields = scenario.model_dump(mode="json")
+    page = _PAGE.format(
+        title=html.escape(scenario.name),
+        description=html.escape(scenario.description),
+        verdict=verdict_banner(verdict),
+        interventions="",
+        rows="<tr><th>There is no run.</th></tr>",
+        setup=html.escape(strict_json(fields, indent=2)),
+        sections="",
+        plots="[]",
+        plotly="",
+    )
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def verdict_banner(verdict: "Verdict") -> str:
+    """A verdict as the first line of a page: a sign, the word, the sentence."""
+    kind, sign = ("good", "✓") if verdict.reached else ("bad", "✗")
+    word, sentence = html.escape(verdict.kind), html.escape(verdict.sentence)
+    return f'<p class="verdict {kind}"><strong>{sign} {word}</strong>: {sentence}.</p>'
+
+
 def _interventions(run: "Run") -> str:
     """What was done instead of what the law decided, as lines of the page."""
     lines = [str(done) for done in run.interventions]
-    return "".join(f"<br>{html.escape(line)}" for line in [*lines, run.caution] if line)
+    return "<br>".join(html.escape(line) for line in [*lines, run.caution] if line)
 
 
 def _setup_text(run: "Run") -> str:
@@ -143,9 +169,28 @@ def _path_plot(run: "Run", column: dict[str, Any]) -> dict[str, Any]:
         "type": "scatter", "mode": "markers", "name": "start",
         "x": [start[0]], "y": [start[1]], "marker": marker,
     }  # fmt: skip
-    plot = _plot([*traces, bodies, begin], "x (m)", "y (m)", hovermode="closest", height=520)
+    plot = _plot(
+        [*traces, bodies, begin, *_verdict_mark(run.verdict)],
+        "x (m)",
+        "y (m)",
+        hovermode="closest",
+        height=520,
+    )
     plot["layout"]["yaxis"].update(scaleanchor="x", scaleratio=1)
     return plot
+
+
+def _verdict_mark(verdict: "Verdict") -> list[Trace]:
+    """Where something happened, unless all is well."""
+    if verdict.reached:
+        return []
+    return [
+        {
+            "type": "scatter", "mode": "markers", "name": str(verdict.kind),
+            "x": [verdict.x], "y": [verdict.y],
+            "marker": {"color": RED, "size": 13, "symbol": "x"},
+        }
+    ]  # fmt: skip
 
 
 def _filled(outline: Any, name: str, fill: str, colour: str) -> Trace:

@@ -1,9 +1,11 @@
 """The robot: one steered front wheel, two driven rear wheels (Table 1)."""
 
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Self
 
-from osculate.errors import choose
+from pydantic import model_validator
+
+from osculate.errors import InvalidInput, choose
 from osculate.spec import Spec, quantity
 from osculate.vehicle.actuators import Actuators
 from osculate.vehicle.brake import Brake
@@ -34,7 +36,8 @@ class Tricycle(Spec):
     The tracked point O is the middle of the rear axle, which is also the origin of ``base_link``.
 
     Raises:
-        InvalidInput: A value is not positive, or the body inertia is too small for its mass.
+        InvalidInput: A value is not positive, the centre of mass is not between axle and steered wheel (the
+            robot would tip over standing), or the inertia is less than the masses have there.
     """
 
     kind: Literal["tricycle"] = "tricycle"
@@ -50,7 +53,11 @@ class Tricycle(Spec):
         gt=0,
     )
     body_inertia: float = quantity(
-        "kg m²", "inertia of the body about the vertical through O, I_b", default=0.16, gt=0
+        "kg m²",
+        "inertia of the body about the vertical through its own centre, midway between axle and steered "
+        "wheel, I_b",
+        default=0.16,
+        gt=0,
     )
     wheelbase: float = quantity(
         "m", "rear-axle midpoint O to steered wheel P, a", default=0.4, gt=0
@@ -75,6 +82,22 @@ class Tricycle(Spec):
     actuators: Actuators = Actuators()
     brake: Brake | None = None
 
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        a, x = self.wheelbase, self.centre_ahead
+        if not 0.0 <= x < a:
+            raise InvalidInput(
+                "centre_ahead", x, f"must be from 0 to below wheelbase = {a:g} m, between axle and steered "
+                "wheel: the robot would tip over standing",
+            )  # fmt: skip
+        needed = (self.weight / self.gravity) * x**2 - a**2 * (self.body_mass / 4 + self.wheel_mass)
+        if self.body_inertia <= needed:
+            raise InvalidInput(
+                "body_inertia", self.body_inertia, f"must be above {needed:.6g} kg m²: masses whose centre "
+                f"is centre_ahead = {x:g} m ahead of the axle have more inertia",
+            )  # fmt: skip
+        return self
+
     @cached_property
     def total_mass(self) -> float:
         """M₁ = M_b + 3 M_w + I_w / r² (kg): all masses, and the front wheel's spin."""
@@ -84,8 +107,8 @@ class Tricycle(Spec):
     def turn_inertia(self) -> float:
         """I (kg m²) of eq. (A7): everything that turns with the robot, about O.
 
-        The paper adds (a²/4) M_b to an I_b that is already about O; its value is kept here so that
-        its robot is reproduced. For another robot give I_b about the body's own centre.
+        I_b is about the body's own centre, as the term (a²/4) M_b demands. The paper's value is about O
+        (erratum 2); it is kept as the default so that its robot is reproduced.
         """
         return (
             self.body_inertia

@@ -14,6 +14,7 @@ from osculate import (
     InvalidInput,
     Limits,
     NoSolution,
+    PreviewLqr,
     Reduced,
     Sampled,
     SpeedLoop,
@@ -26,7 +27,7 @@ from osculate import (
 )
 from osculate.control.tracking import TRACKERS
 from osculate.study.comparison.suite import CURVES, STARTS, conditions
-from osculate.vehicle import Motion
+from osculate.vehicle import VEHICLES, Motion
 
 CLOCK = Sampled(period=0.01, delay=0.01, duration=120.0)
 TEXTBOOK = ("pure-pursuit", "stanley", "kanayama", "lqr")
@@ -91,6 +92,19 @@ def test_other_vehicles(robot):
     run = drive(CURVES["slalom"], robot=vehicle_named(robot))
     assert run.metrics.ended == "path end"
     assert run.metrics.cross_track_rms < 0.2e-3
+
+
+@pytest.mark.parametrize("robot", VEHICLES)
+@pytest.mark.parametrize(("aside", "speed"), [(0.6, 1.5), (-0.6, 0.5), (1.2, 1.0)])
+def test_lqr_preview_with_its_default_weights_comes_back_from_far_aside(robot, aside, speed):
+    run = drive(
+        CURVES["slalom"], PreviewLqr(), robot=VEHICLES[robot], limits=Limits(speed=speed),
+        initial=InitialState(cross_track=aside, settled=4.0),
+    )  # fmt: skip
+    assert run.metrics.ended == "path end"
+    assert np.abs(run.columns["cross_track_error"]).max() < abs(aside) + 1e-3
+    assert run.metrics.cross_track_max < 1e-3
+    assert run.metrics.duration < run.plan.duration + 8.0
 
 
 def test_tracks_nobody_tuned_for(shared_data):

@@ -12,7 +12,7 @@ from osculate.kernel.maths import clip
 from osculate.vehicle.measurement import Measurement
 
 if TYPE_CHECKING:  # parts, bound by `compose`
-    from osculate.control.estimation.ekf import estimate_kinematics as estimate
+    from osculate.control.estimation.filter import estimate_kinematics as estimate
     from osculate.control.templates.tracking import track
 
     DELAYED = True

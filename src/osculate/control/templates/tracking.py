@@ -27,6 +27,7 @@ from osculate.control.standstill import (
     oppose,
     watch_readings,
 )
+from osculate.control.tracking.arrival import arrival_speed
 from osculate.control.tracking.contract import (
     Foot,
     Issued,
@@ -54,7 +55,7 @@ if TYPE_CHECKING:  # parts, bound by `compose`
 
     DELAYED = True
 
-SLOWEST = 0.02  # m/s, below which a plan does not fall
+SLOWEST = 0.02  # m/s, below which a plan does not fall, but to come to rest
 WIDEST = 1.5  # rad, of a twin's steering angle: the tangent goes no further
 
 
@@ -70,10 +71,12 @@ def observe_steering(motion: Motion, expected: Steering, p: TrackingParameters) 
 
 @kernel
 def planned_speed(s: float, p: TrackingParameters, tables: NDArray[np.float64]) -> float:
-    """Speed (m/s) of the plan at arc length ``s`` (m)."""
+    """Speed (m/s) of the plan at arc length ``s`` (m), from which the robot can come to rest at the end."""
     energy, _ = read(s, p.profile, tables)
     speed = sqrt(2.0 * (energy if energy > 0.0 else 0.0))
-    return speed if speed > SLOWEST else SLOWEST
+    speed = speed if speed > SLOWEST else SLOWEST
+    arriving = arrival_speed(s, p.arrival)
+    return speed if speed < arriving else arriving
 
 
 @kernel
@@ -199,7 +202,9 @@ def track(
     angle, bound, brake, guarded, danger = guard(
         view, angle, bound, p.speed.deceleration, watched, p.guard, p.curve, tables
     )
-    missing = watch_readings(evidence, memory.gate.undecided, foot.arc_length, memory.stop, p.stop)
+    soon = foot.arc_length + p.speed.ahead * motion.speed
+    arrived = foot.arc_length >= p.stop.end or soon >= p.arrival.end
+    missing = watch_readings(evidence, memory.gate.undecided, arrived, memory.stop, p.stop)
     alarm = worst(missing, strange, danger, evidence, p)
     told = memory.gate.last
     known = evidence.wheels_age == 0.0
@@ -210,8 +215,8 @@ def track(
     brakes = stop.alarm.reason > 0.0
     rests = waits or stop.resting > 0.0
 
-    plan = planned_speed(foot.arc_length + p.speed.ahead * motion.speed, p, tables)
-    wanted = plan if plan < bound else bound
+    wanted = planned_speed(soon, p, tables)
+    wanted = wanted if wanted < bound else bound
     torque, moved, speed_error = drive(
         motion.speed, 0.0 if brakes or waits else wanted, p.stop.deceleration if brakes else brake,
         oldest.speed, known, known and strange.cause != SPEED, steering, memory.speed, p,

@@ -221,15 +221,19 @@ class FeedforwardLqr(PathTracker):
 
 
 class PreviewLqr(PathTracker):
-    """The same regulator behind the look-ahead and the servo inverse of `CurvatureTracker`."""
+    """The same regulator behind the look-ahead and the servo inverse of `CurvatureTracker`.
+
+    The default weights recover over about 0.25 m without swinging; every robot of the catalogue comes back
+    from 0.6 m aside with them. Larger ones suit small robots with a fast servo.
+    """
 
     kind: Literal["lqr-preview"] = "lqr-preview"
     tunable: ClassVar[dict[str, tuple[float, float]]] = {
         "aside_weight": (1.0, 1e4),
         "heading_weight": (0.01, 100.0),
     }
-    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=3380.0, gt=0)
-    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=10.3, ge=0)
+    aside_weight: float = quantity("1/m²", "weight of the cross-track error", default=256.0, gt=0)
+    heading_weight: float = quantity("1/rad²", "weight of the heading error", default=32.0, ge=0)
     effort_weight: float = quantity("m²", "weight of the curvature correction", default=1.0, gt=0)
     lateral_acceleration: float = quantity(
         "m/s²", "largest lateral acceleration, corrections included", default=3.0, gt=0

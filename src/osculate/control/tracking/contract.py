@@ -22,13 +22,19 @@ from osculate.control.estimation.contract import TRUSTED, Evidence
 from osculate.control.gate import GateMemory, GateParameters, gate_of
 from osculate.control.reasons import CALM, Alarm
 from osculate.control.standstill import DRIVING, StopMemory, StopParameters
-from osculate.control.tracking.speed_loop import SpeedLoop, SpeedMemory, SpeedParameters
+from osculate.control.tracking.arrival import ArrivalParameters, arrival_parameters
+from osculate.control.tracking.speed_loop import (
+    SpeedLoop,
+    SpeedMemory,
+    SpeedParameters,
+    effect_time,
+)
 from osculate.curve.contract import Curve
 from osculate.curve.table import CELLS, CurveTable, point_at, tabulate
 from osculate.kernel import Grid, Nothing, Tables, compose, kernel
 from osculate.kernel.maths import atan, sincos, tan, wrap_angle
 from osculate.target.contract import TargetPart
-from osculate.target.speed import Ceiling, Limits, SpeedPlan, plan_speed
+from osculate.target.speed import RESTING, Begin, Ceiling, Limits, SpeedPlan, plan_from
 from osculate.vehicle.actuators import ServoStep, Steering
 from osculate.vehicle.model import ReducedModel
 from osculate.vehicle.motion import Motion
@@ -84,6 +90,7 @@ class TrackingParameters(NamedTuple):
     guard: Any  # of the safety layer
     gate: GateParameters
     stop: StopParameters
+    arrival: ArrivalParameters
 
 
 class TrackingMemory(NamedTuple):
@@ -152,6 +159,7 @@ class Road:
     curve: CurveTable
     profile: Grid
     limits: Limits
+    arrival: ArrivalParameters  # at the end
     period: float  # s
     delay: int  # periods between a decision and its effect
     jitter: Jitter | None = None  # of the pose that is believed; None if it is known
@@ -165,22 +173,26 @@ def survey(
     delay: int,
     tables: Tables,
     ceiling: Ceiling | None = None,
+    begin: Begin = RESTING,
 ) -> tuple[Road, SpeedPlan]:
     """Plan the speed and tabulate curve and plan; what is in ``tables`` already is shared.
 
-    A ``ceiling`` is one more limit of the speed over arc length, with its name.
+    A ``ceiling`` is one more limit of the speed over arc length, with its name; ``begin`` says where the
+    robot begins, and how fast.
 
     Raises:
         InvalidInput: Limits that contradict each other.
-        NoSolution: The robot cannot follow the curve.
+        NoSolution: The robot cannot follow the curve, or begins too fast.
     """
-    task = (curve, robot, limits, ceiling)
-    plan = tables.once(task, lambda: plan_speed(*task))
+    task = (begin, curve, robot, limits, ceiling)
+    plan = tables.once(task, lambda: plan_from(*task))
     profile = tables.once((*task, "profile"), lambda: plan.table(tables))
     cells = max(CELLS, math.ceil(curve.length / FINEST))
     beyond = BEYOND + 2.0 * robot.wheelbase
     table = tables.once((curve, cells, beyond), lambda: tabulate(curve, tables, cells, beyond))
-    return Road(robot, table, profile, limits, period, delay), plan
+    ahead = effect_time(robot, period, delay)
+    arrival = arrival_parameters(curve, robot, limits, ahead)
+    return Road(robot, table, profile, limits, arrival, period, delay), plan
 
 
 @dataclass(frozen=True)
@@ -298,6 +310,7 @@ class PathTracker(Controller):
             guard=guard.parameters,
             gate=gate,
             stop=stop_parameters(road, road.curve.length, guard),
+            arrival=road.arrival,
         )
         memory = TrackingMemory(
             progress=progress,

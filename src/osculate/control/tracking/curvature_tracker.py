@@ -115,8 +115,13 @@ def demand_linearly(
     y: float, sine: float, cosine: float, q: float, k: float, dk: float, length: float,
     p: ExactParameters,
 ) -> float:  # fmt: skip
-    """Turn of the heading error, e' (1/m), by linear state feedback of (y, e)."""
-    return -p.aside_gain * y - p.heading_gain * sine
+    """Turn of the heading error, e' (1/m), by linear state feedback of (y, e).
+
+    Far off, y counts as the one at which the path is approached at the angle α: a larger one would turn
+    the robot beyond the path's normal, into circles.
+    """
+    widest = p.heading_gain * p.slope / (p.aside_gain * sqrt(1.0 + p.slope * p.slope))
+    return -p.aside_gain * clip(y, -widest, widest) - p.heading_gain * sine
 
 
 @kernel

@@ -86,6 +86,11 @@ SWITCHES = {
 }
 
 
+def effect_time(robot: Tricycle, period: float, delay: int) -> float:
+    """Time (s) from a decision to its effect: the delay, the motors' lag and half of the hold."""
+    return delay * period + robot.actuators.motor_lag + 0.5 * period
+
+
 class SpeedLoop(Spec):
     """Robust speed control by torque."""
 
@@ -121,7 +126,7 @@ class SpeedLoop(Spec):
             integral=self.integral,
             layer=self.layer,
             lag=period / (act.motor_lag + period),
-            ahead=delay * period + act.motor_lag + 0.5 * period,
+            ahead=effect_time(robot, period, delay),
             acceleration=max(rise, 1e-3),
             deceleration=self.deceleration,
             jerk=limits.jerk,

@@ -7,7 +7,7 @@
 | /joint_states | sensor_msgs/JointState: steering angle; torques and speeds of the drive wheels |
 | /tf | tf2_msgs/TFMessage: ``map`` → ``odom`` → ``base_link`` |
 | /path | nav_msgs/Path: the target curve, once |
-| /diagnostics | diagnostic_msgs/DiagnosticArray: all metrics and interventions, once, at the end |
+| /diagnostics | diagnostic_msgs/DiagnosticArray: verdict, metrics and interventions, once, at the end |
 """
 
 from importlib import import_module
@@ -143,13 +143,18 @@ def _known(value: Any) -> bool:
 
 def _diagnostics(run: "Run", time: float) -> Message:
     values = [
+        {"key": f"verdict {name}", "value": str(value)}
+        for name, value in run.verdict.as_dict().items()
+        if value is not None
+    ]
+    values += [
         {"key": f"{name} [{unit}]" if unit else name, "value": str(value)}
         for name, unit, _ in Metrics.items()
         if _known(value := getattr(run.metrics, name))
     ]
-    level = b"\x02" if run.diverged else b"\x00"
     status = {
-        "level": level[0], "name": "osculate: path tracking", "message": run.message,
+        "level": 0 if run.verdict.reached else 2,
+        "name": "osculate: path tracking", "message": str(run.verdict),
         "hardware_id": run.setup.robot.kind, "values": values,
     }  # fmt: skip
     interventions = [

@@ -72,4 +72,4 @@ def decide_block(
         going = run.status.code == RUNNING
         store(select(going, following, mind), minds, lane)
         held = select(going, held, run.held)
-        store(Progress(run.state, run.tally, run.status, held), runs, lane)
+        store(Progress(run.state, run.tally, run.events, run.status, held), runs, lane)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from osculate.control.reasons import ARRIVED
 from osculate.kernel import compiled, finite_sum, kernel, load, scratch, select, store
+from osculate.simulation.events import watch_events
 from osculate.simulation.records import (
     DIVERGED,
     FINISHED,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:  # parts, bound by `compose`
     LIKE_PARAMETERS: Any = None
     LIKE_ROW: Any = None
 
-STANDSTILL = 5e-3  # m/s, below which a robot that stops has stopped
+STANDSTILL = 1e-3  # m/s, below which a robot that stops has stopped
 LANDINGS = 4  # Newton steps to the instant at which the path ends
 
 
@@ -43,10 +44,11 @@ def observe(
     p: Parameters,
     tables: NDArray[np.float64],
 ) -> Any:
-    """The record's row at time ``t`` and the tally with this sample."""
+    """The record's row at time ``t``, the tally and the events with this sample."""
     _, reference, command, errors, _ = respond(t, run.state, action, p, tables)
     motion = measure(run.state.plant, p.plant)
     tally = count(elapsed, motion, command, run.tally, p.settled, p.plant.model, p.curve, tables)
+    events = watch_events(t, elapsed, motion, tally, run.events, p.events)
     row = Row(
         t,
         motion,
@@ -59,7 +61,7 @@ def observe(
         tally.heading_error,
         look(action),
     )
-    return row, tally
+    return row, tally, events
 
 
 @kernel
@@ -70,7 +72,7 @@ def advance(
 
     A single run is not touched any more once it has ended, so that it needs no such care.
     """
-    row, tally = observe(t, elapsed, run, action, p, tables)
+    row, tally, events = observe(t, elapsed, run, action, p, tables)
     state = rk4(t, h, run.state, action, p, tables)
     speed = measure(state.plant, p.plant).speed
     wild = finite_sum(state) != 0.0 or not abs(speed) <= p.speed_limit
@@ -80,7 +82,8 @@ def advance(
         or tally.foot + travelled >= p.path_end
         or t + h >= p.deadline
     )
-    stopped = halted(run.held) if abs(speed) < STANDSTILL else 0.0
+    still = abs(measure(run.state.plant, p.plant).speed) < STANDSTILL
+    stopped = halted(run.held) if still else 0.0
     beyond = beyond or stopped == ARRIVED
     stands = STOPPED if stopped > 0.0 else RUNNING
     code = DIVERGED if wild else (FINISHED if beyond else stands)
@@ -89,6 +92,7 @@ def advance(
     moved = Moved(
         select(going, state, run.state),
         select(running, tally, run.tally),
+        select(running, events, run.events),
         select(running, Status(code, t + h if going else t), run.status),
     )
     return row, moved
@@ -104,18 +108,23 @@ def land(h: float, age: int, substeps: int, run: Progress, p: Parameters, tables
     state = run.state
     goal = run.state.target.arc_length + p.path_end - run.tally.foot
     goal = p.finish if p.finish < goal else goal
+    speed = measure(run.state.plant, p.plant).speed
+    rests = halted(run.held) == ARRIVED and abs(speed) < STANDSTILL
     for _ in range(LANDINGS):
         speed = measure(state.plant, p.plant).speed
         part = part + (goal - state.target.arc_length) / (speed if speed > 1e-9 else 1e-9)
         part = part if part < h else h
         part = part if part < p.deadline - t else p.deadline - t
-        part = part if part > 0.0 and finished else 0.0
+        part = part if part > 0.0 and finished and not rests else 0.0
         state = rk4(t, part, run.state, action, p, tables)
-    ended = Progress(select(finished, state, run.state), run.tally, run.status, run.held)
-    row, tally = observe(t + part, part, ended, action, p, tables)
+    ended = Progress(
+        select(finished, state, run.state), run.tally, run.events, run.status, run.held
+    )
+    row, tally, events = observe(t + part, part, ended, action, p, tables)
     fresh = run.status.code != DIVERGED
     status = Status(run.status.code, t + part)
-    return row, Moved(ended.state, select(fresh, tally, run.tally), status)
+    counted, seen = select(fresh, tally, run.tally), select(fresh, events, run.events)
+    return row, Moved(ended.state, counted, seen, status)
 
 
 @kernel
@@ -179,7 +188,7 @@ def run_block(
                 run = load(LIKE, block, lane)
                 p = load(LIKE_PARAMETERS, parameters, lane)
                 action = hold(age, substeps, run.held, p)
-                row, _ = observe(step * h, elapsed, run, action, p, tables)
+                row, _, _ = observe(step * h, elapsed, run, action, p, tables)
                 store(row, rows, lane)
         for lane in range(LANES):
             run = load(LIKE, block, lane)

@@ -1,6 +1,7 @@
 """Controllers compared on the same work, and tuned on other work."""
 
 from osculate.study.comparison.compare import Comparison, compare
+from osculate.study.comparison.significance import PairedComparison, paired_comparisons
 from osculate.study.comparison.suite import (
     CONDITIONS,
     REALITY,
@@ -12,7 +13,6 @@ from osculate.study.comparison.suite import (
 )
 from osculate.study.comparison.tune import Tuning, quick_search, tune
 from osculate.study.comparison.tuned import TUNED, trackers_for
-from osculate.study.comparison.verdicts import Verdict, verdicts
 
 __all__ = [
     "CONDITIONS",
@@ -21,14 +21,14 @@ __all__ = [
     "TUNED",
     "Comparison",
     "Condition",
+    "PairedComparison",
     "Tuning",
-    "Verdict",
     "compare",
     "curves",
+    "paired_comparisons",
     "quick_search",
     "starts",
     "trackers_for",
     "training_curves",
     "tune",
-    "verdicts",
 ]

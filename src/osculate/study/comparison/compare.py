@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +16,15 @@ from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.errors import InvalidInput, require_kind
 from osculate.plant import Mujoco, world_of
-from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
+from osculate.scene import Scene
+from osculate.simulation import (
+    InitialState,
+    Sampled,
+    Verdict,
+    VerdictKind,
+    simulate,
+    simulate_batch,
+)
 from osculate.simulation.size import require_callable
 from osculate.strict_json import strict_json
 from osculate.study.comparison.arguments import require_effect, require_named
@@ -24,7 +33,8 @@ from osculate.study.comparison.tuned import trackers_for
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
 
-OFF_ROAD = 0.5  # m, a cell whose counted error exceeds this has failed
+OFF_ROAD = 0.5  # m, distance from the curve at which a run has left it, once errors count
+LANE = Scene(corridor=OFF_ROAD)
 PATIENCE = 2.0  # times the planned duration, after which a run counts as failed
 FINEST = 1e-9  # m, below which errors are rounding
 RECORD = 0.05  # s between two samples of the traces
@@ -42,7 +52,7 @@ TRACED = ("foot", "cross_track_error", "x", "y")
 UNITS = {
     "speed": "m/s", "cross_track_rms": "m", "cross_track_max": "m", "heading_error_rms": "rad",
     "duration": "s", "steering_travel": "rad", "torque_travel": "N m", "energy": "J",
-    "speed_max": "m/s",
+    "speed_max": "m/s", "verdict_place": "m", "verdict_time": "s",
 }  # fmt: skip
 
 
@@ -88,6 +98,23 @@ class Comparison:
     def controllers(self) -> list[str]:
         """Names of the controllers."""
         return list(dict.fromkeys(cell["controller"] for cell in self.cells))
+
+    @property
+    def verdict(self) -> str:
+        """What became of all runs, in a sentence."""
+        kinds = Counter(cell["verdict"] for cell in self.cells)
+        reached = kinds.pop(str(VerdictKind.REACHED), 0)
+        if not kinds:
+            return f"all {reached} runs reached the end"
+        others = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+        return (
+            f"{len(self.cells) - reached} of {len(self.cells)} runs did not reach the end: {others}"
+        )
+
+    @property
+    def reached(self) -> bool:
+        """Whether all runs reached the end."""
+        return all(cell["verdict"] == VerdictKind.REACHED for cell in self.cells)
 
     def ranking(self) -> list[Standing]:
         """All controllers, the most exact first, each compared cell by cell with the first."""
@@ -217,8 +244,10 @@ def compare(
         own = _clock(timing, state, body, duration)
         alone = isinstance(laws[name], ExternalTracker) or isinstance(state.plant, Mujoco)
         run = _run_alone if alone else _run_together
-        for (c, v, s, seed), (values, trace) in zip(cells, run(work, laws[name], own), strict=True):
-            comparison.cells.append(_cell((name, c, v, s, kind, seed), values, state))
+        for (c, v, s, seed), (values, verdict, trace) in zip(
+            cells, run(work, laws[name], own), strict=True
+        ):
+            comparison.cells.append(_cell((name, c, v, s, kind, seed), values, verdict, state))
             comparison.traces.setdefault((name, c, f"{v:g}", s, kind), trace)
         if report:
             report(done / len(tasks))
@@ -243,16 +272,16 @@ def _clock(timing: Sampled, state: Condition, robot: Tricycle, duration: float) 
     )
 
 
-Outcome = tuple[dict[str, Any], Trace]
+Outcome = tuple[dict[str, Any], Verdict, Trace]
 
 
 def _run_alone(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:
-    """One run after the other: values of the metrics and trace of each."""
+    """One run after the other: values of the metrics, verdict and trace of each."""
     every = max(1, round(RECORD / clock.step))
     for parts in work:
-        run = simulate(**parts, controller=law, clock=clock)
+        run = simulate(**parts, controller=law, clock=clock, scene=LANE)
         columns = (run.columns[name][::every] for name in TRACED)
-        yield run.metrics.as_dict(), Trace(*columns)
+        yield run.metrics.as_dict(), run.verdict, Trace(*columns)
 
 
 def _run_together(
@@ -263,23 +292,31 @@ def _run_together(
     each: dict[str, Any] = {
         name: [parts[name] for parts in work] for name in work[0] if name not in same
     }
-    batch = simulate_batch(**each, **same, record_every=max(1, round(RECORD / clock.step)))
+    every = max(1, round(RECORD / clock.step))
+    batch = simulate_batch(**each, **same, scene=LANE, record_every=every)
     names = [variable.name for variable in batch.variables]
     columns = [names.index(name) for name in TRACED]
     for n in range(len(work)):
         record = batch.record[n]
         alive = record[:, names.index("time")] <= batch.metrics.duration[n] + 1e-9
         values = {k: None if v is None else v[n] for k, v in batch.metrics.as_dict().items()}
-        yield values, Trace(*(np.array(record[alive, column]) for column in columns))
+        yield (
+            values,
+            batch.verdicts[n],
+            Trace(*(np.array(record[alive, column]) for column in columns)),
+        )
 
 
-def _cell(key: tuple[Any, ...], metrics: dict[str, Any], state: Condition) -> dict[str, Any]:
+def _cell(
+    key: tuple[Any, ...], metrics: dict[str, Any], verdict: Verdict, state: Condition
+) -> dict[str, Any]:
     """The cell of one run; a guarded robot that stops inside its corridor has not failed."""
     values = {name: float(metrics[field]) for name, field in FIELDS.items()}
-    ended = str(metrics["ended"])
-    allowed = state.safety.half_width if state.safety else OFF_ROAD
-    arrived = ended == "path end" or (ended == "safety stop" and state.safety is not None)
-    failed = not arrived or not values["cross_track_max"] <= allowed
+    stopped = verdict.kind is VerdictKind.STOPPED and state.safety is not None
     names = ("controller", "curve", "speed", "start", "plant", "seed")
-    found = {"failed": failed, "arrived": ended == "path end" and not failed, "ended": ended}
+    found = {
+        "failed": not (verdict.reached or stopped), "arrived": verdict.reached,
+        "ended": str(metrics["ended"]), "verdict": str(verdict.kind), "sentence": verdict.sentence,
+        "verdict_place": verdict.place, "verdict_time": verdict.time,
+    }  # fmt: skip
     return {**dict(zip(names, key, strict=True)), **values, **found}

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from osculate.simulation import VerdictKind
 from osculate.simulation.plot import new_figure
 from osculate.study.comparison.compare import Comparison
-from osculate.study.comparison.verdicts import condition_table, summary, verdicts
+from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 
 OURS = "curvature-tracker"
 MEANING = (
@@ -76,7 +77,7 @@ def cell_table(comparison: Comparison) -> list[list[str]]:
     rows = [
         [
             "controller", "curve", "speed (m/s)", "start", "plant", "seed", "RMS (mm)", "max (mm)",
-            "heading RMS (°)", "time (s)", "steering (rad)", "torque ripple (N m)", "work (J)", "",
+            "heading RMS (°)", "time (s)", "steering (rad)", "torque ripple (N m)", "work (J)", "verdict",
         ]
     ]  # fmt: skip
     return rows + [_cell_row(cell) for cell in comparison.cells]
@@ -88,8 +89,16 @@ def _cell_row(c: dict[str, Any]) -> list[str]:
         f"{1e3 * c['cross_track_rms']:.4g}", f"{1e3 * c['cross_track_max']:.4g}",
         f"{np.degrees(c['heading_error_rms']):.3g}", f"{c['duration']:.2f}",
         f"{c['steering_travel']:.2f}", f"{c['torque_travel']:.1f}", f"{c['energy']:.0f}",
-        f"failed ({c['ended']})" if c["failed"] else "",
+        verdict_text(c),
     ]  # fmt: skip
+
+
+def verdict_text(cell: dict[str, Any]) -> str:
+    """The verdict on a cell: the kind, and unless it reached the end a sign, when and where."""
+    if cell["verdict"] == VerdictKind.REACHED:
+        return str(cell["verdict"])
+    place, time = cell["verdict_place"], cell["verdict_time"]
+    return f"✗ {cell['verdict']} at {time:.2f} s, {place:.2f} m"
 
 
 def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
@@ -100,8 +109,10 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
         for f in figures
     )
     page = _PAGE.format(
+        kind="good" if comparison.reached else "bad",
+        verdict=html.escape(f"{'✓' if comparison.reached else '✗'} {comparison.verdict}."),
         ranking=_table(ranking_table(comparison)),
-        verdicts=_verdicts(comparison),
+        significance=_significance(comparison),
         cells=_table(cell_table(comparison)),
         pictures=pictures,
     )
@@ -109,13 +120,13 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
     return path
 
 
-def _verdicts(comparison: Comparison) -> str:
+def _significance(comparison: Comparison) -> str:
     """The tracker of this package against the others, condition by condition."""
     kinds = {cell["plant"] for cell in comparison.cells}
     if OURS not in comparison.controllers or len(comparison.controllers) < 2 or len(kinds) < 2:
         return ""
-    found = verdicts(comparison, OURS)
-    items = "".join(f"<li>{html.escape(verdict.sentence)}</li>" for verdict in found)
+    found = paired_comparisons(comparison, OURS)
+    items = "".join(f"<li>{html.escape(pair.sentence)}</li>" for pair in found)
     return (
         f"<h2>Under every condition</h2><p>{html.escape(MEANING)}</p>"
         f'<div class="wide">{_table(condition_table(comparison, OURS))}</div>'
@@ -129,7 +140,12 @@ def _table(rows: list[list[str]]) -> str:
 
 
 def _row(cells: list[str], tag: str) -> str:
-    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+    written = (f"<{tag}{_kind(cell)}>{html.escape(cell)}</{tag}>" for cell in cells)
+    return f"<tr>{''.join(written)}</tr>"
+
+
+def _kind(cell: str) -> str:
+    return ' class="bad"' if cell.startswith("✗") else ""
 
 
 _PAGE = Path(__file__).with_name("comparison.html").read_text(encoding="utf-8")

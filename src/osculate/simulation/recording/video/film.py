@@ -59,7 +59,7 @@ def write_video(
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with Screen(stage.model, drawn) as screen:
-            pictures = _pictures(stage, screen, frames, size, fps)
+            pictures = _pictures(stage, screen, frames, fps, Caption(size, run.verdict))
             WRITERS[target.suffix](
                 _counted(pictures, len(frames), report), target, fps, len(frames)
             )
@@ -81,16 +81,16 @@ def check_video(path: str | Path) -> Path:
 
 
 def _pictures(
-    stage: Stage, screen: Screen, frames: list[Frame], size: tuple[int, int], fps: int
+    stage: Stage, screen: Screen, frames: list[Frame], fps: int, caption: Caption
 ) -> Iterator[Picture]:
     from PIL import Image
 
-    camera, caption = stage.camera(), Caption(size)
+    camera = stage.camera()
     for frame, shot in zip(frames, shots(frames, fps, stage.length), strict=True):
         stage.show(frame)
         aim(camera, shot, stage.length)
         drawn = Image.fromarray(screen.picture(stage.data, camera, stage.trace))
-        yield caption.on(np.asarray(drawn.resize(size, Image.Resampling.BILINEAR)), frame)
+        yield caption.on(np.asarray(drawn.resize(caption.size, Image.Resampling.BILINEAR)), frame)
 
 
 def _counted(pictures: Iterator[Picture], count: int, report: Report | None) -> Iterator[Picture]:

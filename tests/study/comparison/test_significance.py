@@ -1,4 +1,4 @@
-"""Verdicts from paired results."""
+"""Significance from paired results."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from osculate.study.comparison.compare import Comparison
-from osculate.study.comparison.verdicts import condition_table, summary, verdicts
+from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 
 
 def cell(controller, curve, seed, rms, failed=False, ended="path end"):
@@ -33,36 +33,36 @@ def comparison(factor, spread, seed=1):
     ("factor", "word"), [(1.5, "better"), (1.0 / 1.5, "worse"), (1.0, "equal")]
 )
 def test_pairs_tell_better_from_worse_though_curves_differ(factor, word):
-    (verdict,) = verdicts(comparison(factor, 0.1), "ours")
-    assert verdict.word == word
-    assert verdict.low < factor < verdict.high
-    assert verdict.low < verdict.ratio < verdict.high
-    assert verdict.cells == 8
-    assert "95 % CI" in verdict.sentence
+    (pair,) = paired_comparisons(comparison(factor, 0.1), "ours")
+    assert pair.word == word
+    assert pair.low < factor < pair.high
+    assert pair.low < pair.ratio < pair.high
+    assert pair.cells == 8
+    assert "95 % CI" in pair.sentence
 
 
 def test_the_interval_covers_the_truth_as_often_as_it_says():
     hits = 0
     for seed in range(200):
-        (verdict,) = verdicts(comparison(1.3, 0.3, seed), "ours")
-        hits += verdict.low < 1.3 < verdict.high
+        (pair,) = paired_comparisons(comparison(1.3, 0.3, seed), "ours")
+        hits += pair.low < 1.3 < pair.high
     assert 180 <= hits <= 199
 
 
 def test_failures_are_counted_and_not_compared():
     cells = comparison(2.0, 0.1).cells
     cells[1]["failed"], cells[1]["arrived"] = True, False
-    (verdict,) = verdicts(Comparison(cells, {}, {}), "ours")
-    assert (verdict.failed, verdict.other_failed, verdict.runs) == (0, 1, 16)
-    assert "it failed in 0 and theirs in 1 of 16 runs" in verdict.sentence
+    (pair,) = paired_comparisons(Comparison(cells, {}, {}), "ours")
+    assert (pair.failed, pair.other_failed, pair.runs) == (0, 1, 16)
+    assert "it failed in 0 and theirs in 1 of 16 runs" in pair.sentence
     header, row = condition_table(Comparison(cells, {}, {}), "ours")
     assert header == ["condition", "ours", "theirs"]
     assert row[2].endswith("+ (1 of 16 failed)")
-    assert summary([verdict]).startswith("Over 1 comparisons the controller is better in 1")
+    assert summary([pair]).startswith("Over 1 comparisons the controller is better in 1")
 
 
 def test_stops_are_told_apart_from_arrivals():
     cells = [cell(name, "a", 1, 0.0, ended="safety stop") for name in ("ours", "theirs")]
-    (verdict,) = verdicts(Comparison(cells, {}, {}), "ours")
-    assert "nothing can be said" in verdict.sentence
+    (pair,) = paired_comparisons(Comparison(cells, {}, {}), "ours")
+    assert "nothing can be said" in pair.sentence
     assert condition_table(Comparison(cells, {}, {}), "ours")[1][1] == "1 of 1 stopped, ≤ 0 mm"

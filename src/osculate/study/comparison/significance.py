@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 PAIR = ("curve", "speed", "start", "seed")
 
 
-class Verdict(NamedTuple):
+class PairedComparison(NamedTuple):
     """One controller against another under one condition."""
 
     condition: str
@@ -41,7 +41,7 @@ class Verdict(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """The verdict in words."""
+        """The comparison in words."""
         fails = _failures(self)
         if self.cells < 2:
             return f"{self.condition}: against {self.other} nothing can be said; {fails}."
@@ -58,13 +58,13 @@ class Verdict(NamedTuple):
         return f"{self.condition}: {self.controller} is {what} ({span}); {fails}."
 
 
-def _failures(v: Verdict) -> str:
+def _failures(v: PairedComparison) -> str:
     if v.failed == v.other_failed == 0:
         return "none of them failed"
     return f"it failed in {v.failed} and {v.other} in {v.other_failed} of {v.runs} runs"
 
 
-def verdicts(comparison: Comparison, controller: str) -> list[Verdict]:
+def paired_comparisons(comparison: Comparison, controller: str) -> list[PairedComparison]:
     """The controller against all others, under every condition in order."""
     found = []
     kinds = dict.fromkeys(cell["plant"] for cell in comparison.cells)
@@ -83,7 +83,7 @@ def _cells(comparison: Comparison, controller: str, kind: str) -> list[dict[str,
 
 def _judge(
     kind: str, name: str, other: str, ours: list[dict[str, Any]], theirs: list[dict[str, Any]]
-) -> Verdict:
+) -> PairedComparison:
     by_pair = {tuple(cell[key] for key in PAIR): cell for cell in theirs}
     logs: dict[Any, list[float]] = {}
     for cell in ours:
@@ -95,7 +95,7 @@ def _judge(
     means = np.array([np.mean(values) for values in logs.values()])
     middle, half = _interval(means)
     failed, other_failed = (sum(c["failed"] for c in cells) for cells in (ours, theirs))
-    return Verdict(
+    return PairedComparison(
         kind, name, other, math.exp(middle), math.exp(middle - half), math.exp(middle + half),
         len(means), failed, other_failed, len(ours),
     )  # fmt: skip
@@ -117,7 +117,7 @@ def condition_table(comparison: Comparison, controller: str) -> list[list[str]]:
     A ``+`` marks errors significantly larger than the controller's, ``−`` smaller ones, ``=`` what cannot
     be told apart; failures stand in brackets.
     """
-    judged = {(v.condition, v.other): v for v in verdicts(comparison, controller)}
+    judged = {(v.condition, v.other): v for v in paired_comparisons(comparison, controller)}
     names = [controller, *(n for n in comparison.controllers if n != controller)]
     rows = [["condition", *names]]
     for kind in dict.fromkeys(cell["plant"] for cell in comparison.cells):
@@ -129,21 +129,21 @@ def condition_table(comparison: Comparison, controller: str) -> list[list[str]]:
     return rows
 
 
-def _entry(cells: list[dict[str, Any]], verdict: Verdict | None) -> str:
+def _entry(cells: list[dict[str, Any]], pair: PairedComparison | None) -> str:
     alive = [cell["cross_track_rms"] for cell in cells if cell["arrived"]]
     failed = sum(cell["failed"] for cell in cells)
     stopped = [cell["cross_track_max"] for cell in cells if cell["ended"] == "safety stop"]
     text = f"{1e3 * float(np.mean(alive)):.3g}" if alive else "–"
     if stopped:
         return f"{len(stopped)} of {len(cells)} stopped, ≤ {1e3 * max(stopped):.0f} mm"
-    if verdict is not None and verdict.cells > 1:
-        text += {"better": " +", "worse": " −", "equal": " ="}[verdict.word]
+    if pair is not None and pair.cells > 1:
+        text += {"better": " +", "worse": " −", "equal": " ="}[pair.word]
     return f"{text} ({failed} of {len(cells)} failed)" if failed else text
 
 
-def summary(found: Iterable[Verdict]) -> str:
+def summary(found: Iterable[PairedComparison]) -> str:
     """How often the controller is better, equal and worse, in words."""
-    words = [verdict.word for verdict in found if verdict.cells > 1]
+    words = [pair.word for pair in found if pair.cells > 1]
     counts = {word: words.count(word) for word in ("better", "equal", "worse")}
     return (
         f"Over {len(words)} comparisons the controller is better in {counts['better']}, "
