@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from osculate.errors import InvalidInput
+from osculate.strict_json import strict_json
 from osculate.study.paper.cases import AS_MEANT, CURVE, ROBOT, STEP, Interpretation, run_cases
 from osculate.study.paper.claims import Claim, Evidence, claims
 from osculate.study.paper.measures import rms
