@@ -88,6 +88,7 @@ class Stepper:
             raise InvalidInput(
                 "law", type(law).__name__, "decides in Python itself; call its decider"
             )
+        _require_start(motion, progress, curve.length)
         tables = Tables()
         task = (curve, robot, limits, period, slots)
         foreseen, ceiling = foresee(safety, *task)
@@ -96,7 +97,6 @@ class Stepper:
         self._law, self._curve, self._estimator, self._safety = law, curve, estimator, safety
         self.caution = foreseen.caution(self.plan) if foreseen else None
         self.length, self.table = curve.length, self._road.curve
-        _require_start(motion, progress, self.length)
         part = self._part(motion, progress)
         self._like: Any = part.memory
         shape = {"LIKE": zeros(part.memory), "LIKE_PARAMETERS": zeros(part.parameters)}
