@@ -70,3 +70,21 @@ class MissingExtra(OsculateError, ImportError):
             f"{package} is not installed; install it with: pip install 'osculate[{extra}]'"
         )
         self.extra = extra
+
+
+class NotWritten(OsculateError):
+    """Some of the files that belong together could not be written; the others are there.
+
+    Attributes:
+        place: The folder, or what the files are for.
+        missing: Name of every missing file, and the error that kept it from being written.
+    """
+
+    def __init__(self, place: str, missing: Mapping[str, Exception]) -> None:
+        each = "; ".join(f"{name} is missing ({_reason(e)})" for name, e in missing.items())
+        super().__init__(f"{place} is not complete: {each}")
+        self.place, self.missing = place, dict(missing)
+
+
+def _reason(error: Exception) -> str:
+    return str(error) if isinstance(error, (OsculateError, OSError)) else repr(error)

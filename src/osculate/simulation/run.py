@@ -14,6 +14,7 @@ from osculate.control import Controller, Ekf, PathTracker, Safety
 from osculate.control.reasons import CAUSES, REASONS, explain
 from osculate.curve import Curve
 from osculate.errors import InvalidInput
+from osculate.files import write_by
 from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Sensors
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
@@ -133,9 +134,9 @@ class Run:
         target = Path(path)
         if target.suffix not in writers:
             raise InvalidInput("path", str(path), f"must end in {ENDINGS}")
+        write = writers[target.suffix]
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            return writers[target.suffix](self, target)
+            return write_by(lambda temporary: write(self, temporary), target)
         except OSError as error:
             raise InvalidInput("path", str(path), f"must be writable ({error})") from None
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from osculate.files import write_text
 from osculate.simulation.dataset import plain_parts
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints, readable, thinned
@@ -74,11 +75,10 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
             f'<section><h2>{name}</h2><div class="plot" id="plot-{n}"></div></section>'
             for n, name in enumerate(plots)
         ),
-        plots=json.dumps(list(plots.values())),
+        plots=json.dumps(list(plots.values())).replace("<", "\\u003c"),  # ends no script
         plotly=get_plotlyjs(),
     )
-    path.write_text(page, encoding="utf-8")
-    return path
+    return write_text(path, page)
 
 
 def _interventions(run: "Run") -> str:

@@ -30,10 +30,10 @@ def write_rerun(run: "Run", path: Path) -> Path:
     except ImportError:
         raise MissingExtra("rerun", "rerun-sdk") from None
     stream = rr.RecordingStream("osculate")
-    stream.save(str(path))
+    memory = stream.binary_stream()  # Rerun's own writer keeps errors, of a full disk say, to itself
     _map(rr, stream, run)
     _series(rr, stream, run)
-    stream.flush()
+    path.write_bytes(memory.read())
     stream.disconnect()
     return path
 

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
-from osculate.errors import InvalidInput
+from osculate.files import write_text
 from osculate.plant import Mujoco, world_of
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
+from osculate.study.folder import OutputFolder
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
 
@@ -114,22 +115,18 @@ class Comparison:
         """Write ``comparison.html``, ``comparison.json``, ``comparison.parquet`` and one PNG per curve.
 
         Raises:
-            InvalidInput: The folder cannot be written.
+            InvalidInput: The folder cannot be made or written.
+            NotWritten: Some of the files could not be written; the others are there.
         """
         from osculate.study.comparison.report import write_figures, write_page
 
-        folder = Path(output)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            record = folder / "comparison.json"
-            text = json.dumps(self.cells, indent=1, ensure_ascii=False)
-            record.write_text(text + "\n", encoding="utf-8")
+        text = json.dumps(self.cells, indent=1, ensure_ascii=False)
+        with OutputFolder(output, "comparison") as folder:
+            folder.write("comparison.json", lambda path: write_text(path, text + "\n"))
+            folder.write("comparison.parquet", self._write_parquet)
             figures = write_figures(self, folder)
-            page = write_page(self, folder / "comparison.html", figures)
-            return [page, record, self._write_parquet(folder / "comparison.parquet"), *figures]
-        except OSError as error:
-            message = f"must be a writable folder ({error})"
-            raise InvalidInput("output", str(folder), message) from None
+            folder.write("comparison.html", lambda path: write_page(self, path, figures))
+        return sorted(folder.written, key=lambda path: path.suffix != ".html")
 
     def _write_parquet(self, path: Path) -> Path:
         import pyarrow as pa

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.errors import InvalidInput, MissingExtra
+from osculate.files import complete_file
 from osculate.simulation.recording.video.camera import aim, shots
 from osculate.simulation.recording.video.caption import Caption
 from osculate.simulation.recording.video.opengl import Screen
@@ -57,11 +58,10 @@ def write_video(
     drawn = (round(FINER * size[0]), round(FINER * size[1]))
     stage, frames = Stage(run, drawn), moments(run, fps)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with Screen(stage.model, drawn) as screen:
+        with complete_file(target) as temporary, Screen(stage.model, drawn) as screen:
             pictures = _pictures(stage, screen, frames, size, fps)
             WRITERS[target.suffix](
-                _counted(pictures, len(frames), report), target, fps, len(frames)
+                _counted(pictures, len(frames), report), temporary, fps, len(frames)
             )
     except OSError as error:
         raise InvalidInput("path", str(path), f"must be writable ({error})") from None
