@@ -5,7 +5,8 @@ to change without opening the source.
 """
 
 from collections.abc import Mapping
-from typing import TypeVar
+from importlib import import_module
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 LONGEST = 400  # characters of a value in a message
@@ -70,6 +71,18 @@ class MissingExtra(OsculateError, ImportError):
             f"{package} is not installed; install it with: pip install 'osculate[{extra}]'"
         )
         self.extra = extra
+
+
+def import_extra(module: str, extra: str, package: str) -> Any:
+    """A module of an optional package.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise MissingExtra(extra, package) from None
 
 
 class NotWritten(OsculateError):

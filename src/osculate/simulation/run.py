@@ -1,7 +1,6 @@
 """One simulated run: record, metrics and the objects it was made from."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -66,9 +65,6 @@ def list_interventions(columns: dict[str, NDArray[np.float64]]) -> list[Interven
     ]  # fmt: skip
 
 
-ENDINGS = ".nc, .mcap or .rrd (records), .mp4 or .gif (films)"
-
-
 @dataclass(frozen=True)
 class Run:
     """A run of one robot.
@@ -124,17 +120,10 @@ class Run:
             InvalidInput: Another ending, or a file that cannot be written.
             MissingExtra: What writes this format is not installed.
         """
-        from osculate.simulation.dataset import write_netcdf
-        from osculate.simulation.recording import write_mcap, write_rerun, write_video
+        from osculate.simulation.recording.formats import writer_for
 
-        writers: dict[str, Callable[[Run, Path], Path]] = {
-            ".nc": write_netcdf, ".mcap": write_mcap, ".rrd": write_rerun, ".mp4": write_video,
-            ".gif": write_video,
-        }  # fmt: skip
         target = Path(path)
-        if target.suffix not in writers:
-            raise InvalidInput("path", str(path), f"must end in {ENDINGS}")
-        write = writers[target.suffix]
+        write = writer_for(target)
         try:
             return write_by(lambda temporary: write(self, temporary), target)
         except OSError as error:

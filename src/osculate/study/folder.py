@@ -20,9 +20,9 @@ RECORD = ".osculate.json"  # the files of every kind of output in the folder
 class OutputFolder:
     """A folder while it is written, in a ``with`` statement.
 
-    From the first file to the last one it holds ``INCOMPLETE.txt``, which says what is missing. Files that an
-    earlier output of the same kind has left are removed, whatever else is there stays. One process writes at
-    a time, others wait. A file that cannot be written does not keep the others from being written.
+    From the first file to the last one it holds ``INCOMPLETE.txt``, which says what is missing. Files
+    that an earlier output of the same kind has left are removed, whatever else is there stays. One
+    process writes at a time, others wait. A file that cannot be written does not keep others from it.
 
     Args:
         path: The folder; made if missing.

@@ -79,7 +79,7 @@ def _write_all(
     """Write what can be written: into the folder if it belongs there, else each file alone."""
     done, whole, written = 0.0, sum(file.effort for file in files), []
     for path, write, effort in files:
-        writer = partial(write, tell=partial(_tell_part, tell, done / whole, effort / whole))
+        writer = _told(write, tell, done / whole, effort / whole)
         if folder is not None and path.parent.resolve() == folder.path.resolve():
             folder.write(path.name, writer)
         else:
@@ -92,8 +92,11 @@ def _write_all(
     return [*written, *(folder.written if folder else ())]
 
 
-def _tell_part(tell: Tell, before: float, share: float, part: float) -> None:
-    tell(before + part * share)
+def _told(
+    write: Callable[[Path, Tell], object], tell: Tell, before: float, share: float
+) -> Callable[[Path], object]:
+    """A writer whose progress is a share of the whole."""
+    return lambda path: write(path, lambda part: tell(before + part * share))
 
 
 def _files_of(run: "Run", output: Path, scenario: "Scenario", animate: bool) -> list[_File]:

@@ -17,6 +17,7 @@ from osculate.curve import Curve
 from osculate.files import write_text
 from osculate.plant import Mujoco, world_of
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
+from osculate.study.comparison.kept import Arrays, Kept, key_of
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
 from osculate.study.folder import OutputFolder
@@ -149,6 +150,7 @@ def compare(
     limits: Limits | None = None,
     clock: Sampled | None = None,
     draws: int = 1,
+    keep: Kept | str | Path | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Comparison:
     """Run every combination and collect one cell for each.
@@ -164,15 +166,19 @@ def compare(
         clock: Period, known delay and step; the duration follows from the plans.
         draws: How often every combination with random numbers is run, each time with another seed;
             all controllers meet the same ones.
+        keep: Folder in which every finished cell is kept; cells that are there already, made by the
+            same code from the same parts, are taken over and not run again.
         report: Called with the fraction that is done.
 
     Raises:
         NoSolution: The robot cannot follow one of the curves.
+        MissingExtra: A controller or condition needs a package that is not installed.
     """
     body, task = robot or Tricycle(), limits or Limits()
     laws = dict(controllers or trackers_for(body))
     paths = dict(on or curves())
     begins, states = dict(start or starts()), dict(condition or conditions(robot=body))
+    _load(laws, states)
     timing = clock or Sampled(period=0.01, delay=0.01)
     grid = list(itertools.product(paths, speeds, begins))
     allowed = {v: task.but(speed=v, creep=min(task.creep, v)) for v in speeds}
@@ -184,6 +190,7 @@ def compare(
     comparison = Comparison([], {}, paths)
     duration = PATIENCE * longest + 5.0
     tasks = [(name, kind) for name in laws for kind in states]
+    kept = Kept.at(keep)
     for done, (name, kind) in enumerate(tasks, 1):
         state = states[kind]
         count = draws if state.seeded else 1
@@ -196,14 +203,20 @@ def compare(
             for c, v, s, seed in cells
         ]  # fmt: skip
         own = _clock(timing, state, body, duration)
-        alone = isinstance(laws[name], ExternalTracker) or isinstance(state.plant, Mujoco)
-        run = _run_alone if alone else _run_together
-        for (c, v, s, seed), (values, trace) in zip(cells, run(work, laws[name], own), strict=True):
+        outcomes = _run_or_take(work, laws[name], own, kept)
+        for (c, v, s, seed), (values, trace) in zip(cells, outcomes, strict=True):
             comparison.cells.append(_cell((name, c, v, s, kind, seed), values, state))
             comparison.traces.setdefault((name, c, f"{v:g}", s, kind), trace)
         if report:
             report(done / len(tasks))
     return comparison
+
+
+def _load(laws: Mapping[str, PathTracker], states: Mapping[str, Condition]) -> None:
+    """Ask for optional packages now, not after hours."""
+    for part in (*laws.values(), *(state.plant for state in states.values())):
+        if isinstance(part, (ExternalTracker, Mujoco)):
+            part.load()
 
 
 def _surroundings(state: Condition) -> dict[str, Any]:
@@ -225,6 +238,39 @@ def _clock(timing: Sampled, state: Condition, robot: Tricycle, duration: float) 
 
 
 Outcome = tuple[dict[str, Any], Trace]
+
+
+def _run_or_take(
+    work: list[dict[str, Any]], law: PathTracker, clock: Sampled, kept: Kept | None
+) -> list[Outcome]:
+    """The outcome of each run: of those that are kept, or run now and kept as soon as they are made."""
+    if kept is None:
+        return [*_run(work, law, clock)]
+    keys = [key_of(controller=law, clock=clock, **parts) for parts in work]
+    found = [_unpacked(kept.find(key)) for key in keys]
+    left = [n for n, outcome in enumerate(found) if outcome is None]
+    if left:
+        for n, outcome in zip(left, _run([work[n] for n in left], law, clock), strict=True):
+            kept.keep(keys[n], _packed(outcome))
+            found[n] = outcome
+    return [outcome for outcome in found if outcome is not None]
+
+
+def _packed(outcome: Outcome) -> Arrays:
+    values, trace = outcome
+    plain = {k: v.item() if isinstance(v, np.generic) else v for k, v in values.items()}
+    return {"values": np.array(json.dumps(plain)), "trace": np.stack(trace)}
+
+
+def _unpacked(arrays: Arrays | None) -> Outcome | None:
+    if arrays is None:
+        return None
+    return json.loads(str(arrays["values"])), Trace(*arrays["trace"])
+
+
+def _run(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:
+    alone = isinstance(law, ExternalTracker) or isinstance(work[0]["plant"], Mujoco)
+    return (_run_alone if alone else _run_together)(work, law, clock)
 
 
 def _run_alone(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:

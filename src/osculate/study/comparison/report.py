@@ -62,9 +62,7 @@ def _write_figure(comparison: Comparison, name: str, path: Path) -> None:
         trace = comparison.traces[(law, name, speed, start, kind)]
         axes["path"].plot(trace.x, trace.y, color=colour, linewidth=0.9)
         error = np.maximum(1e3 * np.abs(trace.cross_track), 1e-5)
-        (lines[law],) = axes["error"].semilogy(
-            trace.arc_length, error, color=colour, linewidth=1.1
-        )
+        (lines[law],) = axes["error"].semilogy(trace.arc_length, error, color=colour, linewidth=1.1)
     title = f"{unmarked(name)}, up to {speed} m/s"
     axes["path"].set_aspect("equal", adjustable="datalim")
     axes["path"].set(xlabel="x (m)", ylabel="y (m)", title=title)

@@ -26,9 +26,9 @@ def write_figures(
     runs: Runs, output: OutputFolder, report: Callable[[float], None] | None = None
 ) -> list[Path]:
     """Write ``figure3.png`` … ``figure7.png`` into ``output``; returns the paths of those written."""
-    draw = {
-        number: partial(_errors_and_path, runs, names) for number, names in FIGURES.items()
-    } | {7: partial(_commands, runs["modified_d12"])}
+    draw = {number: partial(_errors_and_path, runs, names) for number, names in FIGURES.items()} | {
+        7: partial(_commands, runs["modified_d12"])
+    }
     paths = []
     for done, (number, figure) in enumerate(draw.items(), 1):
         paths.append(output.write(f"figure{number}.png", partial(_write, figure)))
