@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from osculate.apps.interrupt import EXIT_CODE, Interrupted, interruptible
+from osculate.apps.interrupt import interruptible
 from osculate.apps.terminal import (
     kept_when_interrupted,
     out,
@@ -52,9 +52,6 @@ def main() -> None:
     try:
         with interruptible(tell_interrupted):
             app()
-    except Interrupted:
-        tell_interrupted()
-        sys.exit(EXIT_CODE)
     except NotWritten as error:
         tell_error(error)
         sys.exit(1)

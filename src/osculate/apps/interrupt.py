@@ -5,9 +5,12 @@ keep it from for long. A thread of its own hears of the signal at once. It lets 
 if that takes too long, it removes unfinished files and ends it.
 """
 
+import atexit
+import contextlib
 import os
 import signal
 import socket
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,7 +19,7 @@ from types import FrameType
 from osculate.files import remove_unfinished
 
 EXIT_CODE = 130  # of a program that Ctrl-C has ended
-PATIENCE = 0.6  # s, in which it can end by itself
+PATIENCE = 0.5  # s, in which it can end by itself
 
 
 class Interrupted(BaseException):
@@ -25,31 +28,30 @@ class Interrupted(BaseException):
 
 @contextmanager
 def interruptible(say: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C raise `Interrupted` in this ``with`` statement, and end the process if that does not.
+    """Let Ctrl-C end the process in this ``with`` statement: by `Interrupted`, or else without.
 
     Args:
-        say: Tells the user; called by the thread that ends the process.
+        say: Tells the user; called once, perhaps by another thread.
     """
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # a shell has it ignored, or a host has its own
         yield
         return
     ours, theirs = socket.socketpair()
-    ended = threading.Event()
-
-    def watch() -> None:
-        while ours.recv(1) != b"":
-            if not ended.wait(PATIENCE):
-                remove_unfinished()
-                say()
-                os._exit(EXIT_CODE)
-
     theirs.setblocking(False)
+    ended = threading.Event()
     signal.signal(signal.SIGINT, _interrupt)
     signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
-    threading.Thread(target=watch, daemon=True).start()
+    threading.Thread(target=_watch, args=(ours, ended, say), daemon=True).start()
     try:
         yield
+    except Interrupted:
+        ended.set()
+        say()
+        atexit._run_exitfuncs()  # noqa: SLF001 (there is no public name)
+        with contextlib.suppress(OSError):
+            sys.stdout.flush()
+        os._exit(EXIT_CODE)  # taking the interpreter apart takes longer than everything else
     finally:
         ended.set()
         signal.set_wakeup_fd(-1)
@@ -60,3 +62,11 @@ def interruptible(say: Callable[[], None]) -> Iterator[None]:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # what is cleared up now is not interrupted again
     raise Interrupted
+
+
+def _watch(signals: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:
+    while signals.recv(1):
+        if not ended.wait(PATIENCE):
+            remove_unfinished()
+            say()
+            os._exit(EXIT_CODE)

@@ -1,5 +1,7 @@
 """What the command line prints: texts as they are, never as markup, and how far something is."""
 
+import contextlib
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -24,6 +26,7 @@ err = Console(stderr=True, highlight=False, markup=False, emoji=False)
 
 #: What is said after Ctrl-C; a command that keeps what is finished says so here.
 kept_when_interrupted: list[str] = []
+NOTHING_HALF = "no file is half-written."
 
 
 def shown(text: object) -> str:
@@ -49,11 +52,10 @@ def tell_warning(message: object) -> None:
 
 def tell_interrupted() -> None:
     """Print that Ctrl-C has ended the program, and what is left; also while a progress bar is drawn."""
-    if sys.stderr.isatty():
-        sys.stderr.write("\x1b[?25h\r\x1b[K")  # the cursor that the bar has hidden, on a clear line
-    words = kept_when_interrupted or ["no file is half-written."]
-    sys.stderr.write(f"interrupted: {shown(words[-1])}\n")
-    sys.stderr.flush()
+    words = f"interrupted: {shown((kept_when_interrupted or [NOTHING_HALF])[-1])}\n"
+    clear = "\x1b[?25h\r\x1b[K" if sys.stderr.isatty() else ""  # show the cursor, on a clear line
+    with contextlib.suppress(OSError):  # another thread may hold the stream: write below it
+        os.write(sys.stderr.fileno(), (clear + words).encode())
 
 
 def print_table(rows: list[list[str]]) -> None:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from osculate.errors import NotWritten
 from osculate.files import write_by, write_text
+from osculate.folder import OutputFolder
 from osculate.simulation.metrics import Metrics
-from osculate.study.folder import OutputFolder
 
 if TYPE_CHECKING:
     from osculate.simulation import Run

@@ -15,12 +15,12 @@ from osculate.control.tracking import PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
 from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.plant import Mujoco, world_of
 from osculate.simulation import InitialState, Sampled, simulate, simulate_batch
 from osculate.study.comparison.kept import Arrays, Kept, key_of
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
-from osculate.study.folder import OutputFolder
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
 

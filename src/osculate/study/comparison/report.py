@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.simulation.plot import new_figure, unmarked
 from osculate.study.comparison.compare import Comparison
 from osculate.study.comparison.verdicts import condition_table, summary, verdicts
-from osculate.study.folder import OutputFolder
 
 OURS = "curvature-tracker"
 MEANING = (

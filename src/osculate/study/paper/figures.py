@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from osculate.folder import OutputFolder
 from osculate.simulation import Run
 from osculate.simulation.plot import BLUE, GREEN, ORANGE, RED, new_figure, readable, thinned
-from osculate.study.folder import OutputFolder
 from osculate.study.paper.cases import CASES, CURVE, rms
 from osculate.study.paper.claims import Runs
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from osculate.files import write_text
-from osculate.study.folder import OutputFolder
+from osculate.folder import OutputFolder
 from osculate.study.paper.cases import CASES, rms, run_cases
 from osculate.study.paper.claims import HOLDS, Claim, Runs, claims
 

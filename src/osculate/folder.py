@@ -59,11 +59,11 @@ class OutputFolder:
             names = {*self._old, *(path.name for path in self.written), name}
             self._record(names)  # before the file: if this process is killed, the next one knows it
             write_by(writer, target)
+            self.written.append(target)
+            self._remove_old()
         except Exception as error:  # whatever it is, the other files are wanted all the more
             self._failed[name] = error
             return None
-        self.written.append(target)
-        self._remove_old()
         return target
 
     def __exit__(
@@ -105,9 +105,11 @@ class OutputFolder:
     def _remove_old(self) -> None:
         """Once there is something new, what was there before goes."""
         for name in self._old:
-            if Path(name).name == name and self.path / name not in self.written:
-                with contextlib.suppress(FileNotFoundError):
-                    (self.path / name).unlink()
+            here = (
+                name and Path(name).name == name
+            )  # a record that somebody changed removes nothing else
+            if here and (self.path / name).is_file() and self.path / name not in self.written:
+                (self.path / name).unlink()
         self._old.clear()
 
     def _recorded(self) -> dict[str, list[str]]:
@@ -119,7 +121,7 @@ class OutputFolder:
 
     def _record(self, names: set[str]) -> None:
         found = {**self._recorded(), self.kind: sorted(names)}
-        write_text(self.path / RECORD, json.dumps(found, indent=1) + "\n")
+        write_text(self.path / RECORD, json.dumps(found, indent=1) + "\n", durable=False)
 
     def _say_what_is_missing(self, kind: type[BaseException] | None) -> None:
         lines = ["This folder is not complete."]
