@@ -14,6 +14,7 @@ from osculate import (
 from osculate.folder import MARK, RECORD
 from osculate.simulation.recording.video import write_video
 from osculate.simulation.recording.video.opengl import offscreen
+from osculate.study import figures
 from osculate.study.figures import write_animation, write_figures
 from osculate.study.output import write_output
 from osculate.study.report import write_report
@@ -55,7 +56,8 @@ WRITERS = {
 
 @pytest.mark.parametrize("left", [0, 3000])
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_full_disk_leaves_the_old_file_or_none(run, small_disk, name, left):
+def test_a_full_disk_leaves_the_old_file_or_none(run, small_disk, monkeypatch, name, left):
+    monkeypatch.setattr(figures, "FRAMES", 3)
     target = small_disk.path / name
     small_disk.fill(left)
     with pytest.raises((InvalidInput, OSError), match=r"No space left|\[Errno 28\]"):

@@ -42,12 +42,12 @@ def write_animation(run: "Run", path: Path, report: Callable[[float], None] | No
     """Write an animated GIF: the robot with its steered wheel drives along the path."""
     from PIL import Image
 
-    pictures = []
-    for n, picture in enumerate(_pictures(run), 1):
-        pictures.append(Image.fromarray(picture).quantize(256))
+    pictures = map(Image.fromarray, _pictures(run))
+    first, rest = next(pictures).quantize(256), []
+    for n, picture in enumerate(pictures, 2):
+        rest.append(picture.quantize(palette=first, dither=Image.Dither.NONE))
         if report:
             report(n / FRAMES)
-    first, *rest = pictures
     with complete_file(path) as temporary:
         first.save(
             temporary, save_all=True, append_images=rest, duration=FRAME_MILLISECONDS, loop=0

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cache
 from importlib import metadata
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,8 @@ class Kept:
         if key is None:
             return None
         try:
-            with np.load(self._file(key), allow_pickle=False) as found:
+            content = BytesIO(self._file(key).read_bytes())
+            with np.load(content, allow_pickle=False) as found:  # a pickle runs what a file says
                 arrays = {name: found[name] for name in found.files}
         except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
             return None
