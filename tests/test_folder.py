@@ -96,7 +96,7 @@ def test_an_interrupted_folder_says_so(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         write(tmp_path, "data", "film", film=interrupt)
     assert contents(tmp_path) == {"data", MARK}
-    assert "interrupted); finished: data." in (tmp_path / MARK).read_text()
+    assert "Missing: film (interrupted)\nFinished: data.\n" in (tmp_path / MARK).read_text()
 
 
 @pytest.mark.parametrize("record", ['{"run": ["../outside", "/", ""]}', '{"run": 3}', "[", "\xff"])
@@ -109,6 +109,13 @@ def test_a_damaged_record_removes_nothing(tmp_path, record):
     assert (tmp_path / "outside").exists()
     assert contents(folder) == {"new"}
     assert json.loads((folder / RECORD).read_text()) == {"run": ["new"]}
+
+
+def test_the_mark_says_what_is_to_come(tmp_path):
+    with OutputFolder(tmp_path, "run", ["data", "film"]) as folder:
+        assert "Files: data, film.\n" in (tmp_path / MARK).read_text()
+        folder.write("data", Path.touch)
+        folder.write("film", Path.touch)
 
 
 def test_a_killed_writer_leaves_a_folder_that_says_so(tmp_path):

@@ -5,7 +5,7 @@ import json
 import os
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -27,14 +27,15 @@ class OutputFolder:
     Args:
         path: The folder; made if missing.
         kind: What is written, such as ``run``; different kinds may share a folder.
+        expected: Names of the files that are going to be written, as far as they are known.
 
     Raises:
         InvalidInput: The folder cannot be made or written.
         NotWritten: At the end of the statement: some files are missing; says which ones and why.
     """
 
-    def __init__(self, path: str | Path, kind: str) -> None:
-        self.path, self.kind = Path(path), kind
+    def __init__(self, path: str | Path, kind: str, expected: Iterable[str] = ()) -> None:
+        self.path, self.kind, self.expected = Path(path), kind, list(expected)
         self.written: list[Path] = []
         self._failed: dict[str, Exception] = {}
         self._old: set[str] = set()
@@ -55,6 +56,7 @@ class OutputFolder:
     def write(self, name: str, writer: Callable[[Path], object]) -> Path | None:
         """Let ``writer`` write one file to the path it is given; its own path, or None if it failed."""
         target = self.path / name
+        self.expected += [name] if name not in self.expected else []
         try:
             names = {*self._old, *(path.name for path in self.written), name}
             self._record(names)  # before the file: if this process is killed, the next one knows it
@@ -98,6 +100,7 @@ class OutputFolder:
             f"This folder is not complete: since {when} a {self.kind} is being written into it.\n"
             "If nothing is at work here any more, run the command again.\n"
         )
+        text += f"Files: {', '.join(self.expected)}.\n" if self.expected else ""
         os.ftruncate(lock, 0)
         os.pwrite(lock, text.encode(), 0)
         return lock
@@ -124,12 +127,14 @@ class OutputFolder:
         write_text(self.path / RECORD, json.dumps(found, indent=1) + "\n", durable=False)
 
     def _say_what_is_missing(self, kind: type[BaseException] | None) -> None:
-        lines = ["This folder is not complete."]
-        lines += [f"Missing: {name} ({error})" for name, error in self._failed.items()]
-        if kind is not None:
-            why = "interrupted" if issubclass(kind, KeyboardInterrupt) else kind.__name__
-            done = ", ".join(path.name for path in self.written) or "nothing"
-            lines.append(f"Writing ended early ({why}); finished: {done}.")
+        done = [path.name for path in self.written]
+        early = "interrupted" if kind and not issubclass(kind, Exception) else "not written"
+        missing = [name for name in self.expected if name not in done]
+        lines = [
+            "This folder is not complete.",
+            *(f"Missing: {name} ({self._failed.get(name, early)})" for name in missing),
+            f"Finished: {', '.join(done) or 'nothing'}.",
+        ]
         with contextlib.suppress(OSError):  # a full disk; then the first text stays
             text = "\n".join(lines).encode("utf-8", errors="backslashreplace") + b"\n"
             os.pwrite(self._lock, text, 0)

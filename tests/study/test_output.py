@@ -34,7 +34,7 @@ def test_all_files_are_there(folder):
     names = {path.name for path in folder.iterdir()}
     assert names == {
         "report.html", "metrics.json", "run.nc", "scenario.json", "animation.gif", "overview.png",
-        "path.png", "speeds.png", "errors.png", "steering.png", "torques.png",
+        "path.png", "speeds.png", "errors.png", "steering.png", "torques.png", ".osculate.json",
     }  # fmt: skip
 
 

@@ -42,7 +42,8 @@ def interruptible(say: Callable[[], None]) -> Iterator[None]:
     ended = threading.Event()
     signal.signal(signal.SIGINT, _interrupt)
     signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
-    threading.Thread(target=_watch, args=(ours, ended, say), daemon=True).start()
+    watcher = threading.Thread(target=_watch, args=(ours, ended, say), daemon=True)
+    watcher.start()
     try:
         yield
     except Interrupted:
@@ -56,7 +57,8 @@ def interruptible(say: Callable[[], None]) -> Iterator[None]:
         ended.set()
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGINT, before)
-        theirs.close()
+        theirs.close()  # which ends the thread
+        watcher.join()
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -65,8 +67,9 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _watch(signals: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:
-    while signals.recv(1):
-        if not ended.wait(PATIENCE):
-            remove_unfinished()
-            say()
-            os._exit(EXIT_CODE)
+    with signals:
+        while signals.recv(1):
+            if not ended.wait(PATIENCE):
+                remove_unfinished()
+                say()
+                os._exit(EXIT_CODE)

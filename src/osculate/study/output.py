@@ -64,7 +64,8 @@ def write_output(
     files.sort(key=lambda file: (file.effort, file.path.suffix in (".html", ".png")))
     failed: dict[str, Exception] = {}
     try:
-        with OutputFolder(output, "run") if output else nullcontext() as folder:
+        names = [file.path.name for file in files if output and _lies_in(file.path, output)]
+        with OutputFolder(output, "run", names) if output else nullcontext() as folder:
             written = _write_all(files, folder, report or (lambda fraction: None), failed)
     except NotWritten as error:
         raise NotWritten(error.place, {**error.missing, **failed}) from error
@@ -80,7 +81,7 @@ def _write_all(
     done, whole, written = 0.0, sum(file.effort for file in files), []
     for path, write, effort in files:
         writer = _told(write, tell, done / whole, effort / whole)
-        if folder is not None and path.parent.resolve() == folder.path.resolve():
+        if folder is not None and _lies_in(path, folder.path):
             folder.write(path.name, writer)
         else:
             try:
@@ -120,6 +121,10 @@ def _files_of(run: "Run", output: Path, scenario: "Scenario", animate: bool) -> 
 
 def _untold(write: Callable[[Path], object], path: Path, tell: Tell) -> None:
     write(path)
+
+
+def _lies_in(path: Path, folder: Path) -> bool:
+    return path.parent.resolve() == folder.resolve()
 
 
 def _is_film(path: Path) -> bool:
