@@ -86,9 +86,12 @@ def run(
     view: Annotated[bool, typer.Option("--view", help="Show the run in MuJoCo's viewer.")] = False,
 ) -> None:
     """Run a scenario: obstacle, curve, speed target, controllers, simulation, report."""
+    from osculate.simulation.recording.video import check_video
     from osculate.study.scenario import Scenario
 
     also = [*(save or ()), *([video] if video else [])]
+    if video:
+        check_video(video)
     _check_places(output, also, view)
     chosen = Scenario.load(scenario)
     if plant:
