@@ -1,8 +1,9 @@
 """Many robots at once: the same closed-loop step in lanes, blocks of lanes in threads."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -102,7 +103,7 @@ def simulate_batch(
     starts = range(0, count, LANES)
     done = 0
     pieces: list[tuple[Any, Any, NDArray[np.float64]]] = []
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool, _none_left(pool):
         for start, block in zip(
             starts, pool.map(lambda s: _run(first, columns, s, record_every), starts), strict=True
         ):
@@ -113,6 +114,16 @@ def simulate_batch(
             if report:
                 report(done / count)
     return _collect(first, columns, pieces, record_every)
+
+
+@contextmanager
+def _none_left(pool: ThreadPoolExecutor) -> Iterator[None]:
+    """After an error or Ctrl-C, blocks that have not begun are not run."""
+    try:
+        yield
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
 
 
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:

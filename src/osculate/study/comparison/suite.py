@@ -174,7 +174,10 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
         if name in CURVES:
             chosen[name] = CURVES[name]
         elif Path(name).is_file():
-            chosen[Path(name).stem] = CurveFile(path=name, scale=scale)
+            stem = Path(name).stem  # two files may share it, also with a built-in curve
+            chosen[name if stem in {**CURVES, **chosen} else stem] = CurveFile(
+                path=name, scale=scale
+            )
         else:
             raise InvalidInput("curve", name, f"must be a file or one of {', '.join(CURVES)}")
     return chosen
