@@ -45,6 +45,7 @@ class OutputFolder:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._lock = self._claim()
+            self._mark()
             self._old = set(self._recorded().get(self.kind, ()))
         except OSError as error:
             if self._lock >= 0:
@@ -93,17 +94,21 @@ class OutputFolder:
                 warnings.warn(f"{self.path} is being written by another process", stacklevel=4)
                 lock_file(lock, wait=True)
             if is_still(lock, mark):
-                break
+                return lock
             os.close(lock)
+
+    def _mark(self) -> None:
         when = time.strftime("%Y-%m-%d %H:%M:%S")
         text = (
             f"This folder is not complete: since {when} a {self.kind} is being written into it.\n"
             "If nothing is at work here any more, run the command again.\n"
         )
-        text += f"Files: {', '.join(self.expected)}.\n" if self.expected else ""
-        os.ftruncate(lock, 0)
-        os.pwrite(lock, text.encode(), 0)
-        return lock
+        self._write_mark(text + (f"Files: {', '.join(self.expected)}.\n" if self.expected else ""))
+
+    def _write_mark(self, text: str) -> None:
+        content = text.encode("utf-8", errors="backslashreplace")
+        os.pwrite(self._lock, content, 0)
+        os.ftruncate(self._lock, len(content))
 
     def _remove_old(self) -> None:
         """Once there is something new, what was there before goes."""
@@ -136,6 +141,4 @@ class OutputFolder:
             f"Finished: {', '.join(done) or 'nothing'}.",
         ]
         with contextlib.suppress(OSError):  # a full disk; then the first text stays
-            text = "\n".join(lines).encode("utf-8", errors="backslashreplace") + b"\n"
-            os.pwrite(self._lock, text, 0)
-            os.ftruncate(self._lock, len(text))
+            self._write_mark("\n".join(lines) + "\n")

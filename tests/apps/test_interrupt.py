@@ -15,10 +15,9 @@ from osculate.simulation.recording.video.opengl import offscreen
 STUCK = """
 import signal, sys, time
 from osculate.apps.interrupt import interruptible
-from osculate.apps.terminal import tell_interrupted
 from osculate.files import complete_file
 signal.signal(signal.SIGINT, signal.default_int_handler)
-with interruptible(tell_interrupted), complete_file(sys.argv[1]) as path:
+with interruptible(), complete_file(sys.argv[1]) as path:
     path.write_text("half")
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # as deaf as inside the compiler
     print("ready", flush=True)
@@ -49,7 +48,7 @@ def test_a_program_ends_even_if_it_cannot_listen(tmp_path, code):
 
 
 def test_an_error_ends_a_program_as_always():
-    code = STUCK[: STUCK.index("with ")] + "with interruptible(tell_interrupted):\n    1 / 0\n"
+    code = STUCK[: STUCK.index("with ")] + "with interruptible():\n    1 / 0\n"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "ZeroDivisionError" in done.stderr

@@ -9,16 +9,14 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from osculate.apps.interrupt import interruptible
+from osculate.apps.interrupt import farewell, interruptible
 from osculate.apps.terminal import (
-    kept_when_interrupted,
     out,
     print_rows,
     print_table,
     progress,
     shown,
     tell_error,
-    tell_interrupted,
     tell_path,
     tell_warning,
 )
@@ -50,7 +48,7 @@ def main() -> None:
     """
     warnings.showwarning = _show_warning
     try:
-        with interruptible(tell_interrupted):
+        with interruptible():
             app()
     except NotWritten as error:
         tell_error(error)
@@ -299,7 +297,7 @@ def compare(
     chosen = {n: choose("controller", n, laws) for n in _names(controllers) or compiled}
     check_folder("output", output)
     kept = Kept(output / "cells")
-    kept_when_interrupted.append(f"finished cells {GO_ON.format(kept.folder)}")
+    farewell.append(f"finished cells {GO_ON.format(shown(kept.folder))}")
     with progress("comparing") as report:
         result = run_comparison(
             chosen,
@@ -358,7 +356,7 @@ def tune(
         search["on"] = known_curves(_names(curves), scale)
     check_file("output", output)
     kept = Kept(output.with_name(f"{output.stem}.generations"))
-    kept_when_interrupted.append(f"finished generations {GO_ON.format(kept.folder)}")
+    farewell.append(f"finished generations {GO_ON.format(shown(kept.folder))}")
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
             law, robot=vehicle_named(robot), generations=generations, seed=seed, keep=kept,

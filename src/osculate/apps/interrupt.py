@@ -12,7 +12,7 @@ import signal
 import socket
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -26,13 +26,13 @@ class Interrupted(BaseException):
     """Ctrl-C; no error, and nothing that catches errors catches it."""
 
 
-@contextmanager
-def interruptible(say: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C end the process in this ``with`` statement: by `Interrupted`, or else without.
+#: What is said after Ctrl-C: a sentence that ends with a full stop.
+farewell = ["no file is half-written."]
 
-    Args:
-        say: Tells the user; called once, perhaps by another thread.
-    """
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Let Ctrl-C end the process in this ``with`` statement: by `Interrupted`, or else without."""
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # a shell has it ignored, or a host has its own
         yield
@@ -42,13 +42,13 @@ def interruptible(say: Callable[[], None]) -> Iterator[None]:
     ended = threading.Event()
     signal.signal(signal.SIGINT, _interrupt)
     signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
-    watcher = threading.Thread(target=_watch, args=(ours, ended, say), daemon=True)
+    watcher = threading.Thread(target=_watch, args=(ours, ended), daemon=True)
     watcher.start()
     try:
         yield
     except Interrupted:
         ended.set()
-        say()
+        _say()
         atexit._run_exitfuncs()  # noqa: SLF001 (there is no public name)
         with contextlib.suppress(OSError):
             sys.stdout.flush()
@@ -66,10 +66,17 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise Interrupted
 
 
-def _watch(signals: socket.socket, ended: threading.Event, say: Callable[[], None]) -> None:
+def _say() -> None:
+    """Tell the user, below the streams, which another thread may hold."""
+    clear = "\x1b[?25h\r\x1b[K" if os.isatty(2) else ""  # a cursor that was hidden, on a clear line
+    with contextlib.suppress(OSError):
+        os.write(2, f"{clear}interrupted: {farewell[-1]}\n".encode())
+
+
+def _watch(signals: socket.socket, ended: threading.Event) -> None:
     with signals:
         while signals.recv(1):
             if not ended.wait(PATIENCE):
                 remove_unfinished()
-                say()
+                _say()
                 os._exit(EXIT_CODE)

@@ -1,9 +1,6 @@
 """What the command line prints: texts as they are, never as markup, and how far something is."""
 
-import contextlib
-import os
 import re
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,10 +20,6 @@ from rich.text import Text
 
 out = Console(highlight=False, markup=False, emoji=False)
 err = Console(stderr=True, highlight=False, markup=False, emoji=False)
-
-#: What is said after Ctrl-C; a command that keeps what is finished says so here.
-kept_when_interrupted: list[str] = []
-NOTHING_HALF = "no file is half-written."
 
 
 def shown(text: object) -> str:
@@ -48,14 +41,6 @@ def tell_error(error: object) -> None:
 def tell_warning(message: object) -> None:
     """Print a warning."""
     err.print(Text.assemble(("warning:", "bold yellow"), " ", shown(message)))
-
-
-def tell_interrupted() -> None:
-    """Print that Ctrl-C has ended the program, and what is left; also while a progress bar is drawn."""
-    words = f"interrupted: {shown((kept_when_interrupted or [NOTHING_HALF])[-1])}\n"
-    clear = "\x1b[?25h\r\x1b[K" if sys.stderr.isatty() else ""  # show the cursor, on a clear line
-    with contextlib.suppress(OSError):  # another thread may hold the stream: write below it
-        os.write(sys.stderr.fileno(), (clear + words).encode())
 
 
 def print_table(rows: list[list[str]]) -> None:

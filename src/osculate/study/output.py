@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from osculate.errors import NotWritten
+from osculate.errors import InvalidInput, NotWritten
 from osculate.files import write_by, write_text
 from osculate.folder import OutputFolder
 from osculate.simulation.metrics import Metrics
@@ -67,6 +67,10 @@ def write_output(
         names = [file.path.name for file in files if output and _lies_in(file.path, output)]
         with OutputFolder(output, "run", names) if output else nullcontext() as folder:
             written = _write_all(files, folder, report or (lambda fraction: None), failed)
+    except InvalidInput:  # no folder, but what belongs elsewhere is written
+        rest = [file for file in files if output and not _lies_in(file.path, output)]
+        _write_all(rest, None, lambda fraction: None, failed)
+        raise
     except NotWritten as error:
         raise NotWritten(error.place, {**error.missing, **failed}) from error
     if failed:

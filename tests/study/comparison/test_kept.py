@@ -206,3 +206,21 @@ def test_a_search_goes_on_from_where_it_was(tmp_path):
     other = Kept(tmp_path)
     tune(PurePursuit(), **search, generations=1, seed=2, keep=other)
     assert (other.taken, other.made) == (1, 1)  # the start is that of any seed
+
+
+def test_a_full_disk_is_said_once_and_the_work_goes_on(small_disk):
+    small_disk.fill()
+    kept = Kept(small_disk.path)
+    with pytest.warns(UserWarning, match=r"cannot be kept .*No space left") as said:
+        _ = [kept.keep(digit * 64, {"costs": np.zeros(1000)}) for digit in "12"]
+    assert len(said) == 1
+    assert (kept.made, kept.find("1" * 64)) == (0, None)
+
+
+def test_files_of_one_name_are_two_curves(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        for name in ("track.csv", "slalom.csv"):
+            (tmp_path / folder / name).write_text("0,0\n1,0\n2,0\n")
+    files = [str(tmp_path / name) for name in ("a/track.csv", "b/track.csv", "a/slalom.csv")]
+    assert [*curves(["slalom", *files])] == ["slalom", "track", *files[1:]]

@@ -8,6 +8,7 @@ counts as missing and is replaced.
 
 import hashlib
 import platform
+import warnings
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -41,11 +42,13 @@ class Kept:
         folder: Where it is; made when something is kept.
         taken: How many pieces of work were taken over from it.
         made: How many were added to it.
+        fails: Whether it could not be written.
     """
 
     folder: Path
     taken: int = field(default=0, init=False)
     made: int = field(default=0, init=False)
+    fails: bool = field(default=False, init=False)
 
     @classmethod
     def at(cls, place: "Kept | str | Path | None") -> "Kept | None":
@@ -68,17 +71,18 @@ class Kept:
         return arrays
 
     def keep(self, key: str | None, arrays: Mapping[str, Any]) -> None:
-        """Keep a finished piece of work.
-
-        Raises:
-            OSError: The folder cannot be written.
-        """
+        """Keep a finished piece of work; where that fails, say so once and go on."""
         if key is None:
             return
         file = self._file(key)
-        with complete_file(file, durable=False) as temporary, temporary.open("wb") as stream:
-            np.savez(stream, key=np.array(key), **arrays)
-        self.made += 1
+        try:
+            with complete_file(file, durable=False) as temporary, temporary.open("wb") as stream:
+                np.savez(stream, key=np.array(key), **arrays)
+            self.made += 1
+        except OSError as error:
+            if not self.fails:
+                warnings.warn(f"finished work cannot be kept ({error})", stacklevel=2)
+            self.fails = True
 
     def _file(self, key: str) -> Path:
         return self.folder / f"{key[:32]}.npz"

@@ -175,9 +175,9 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
             chosen[name] = CURVES[name]
         elif Path(name).is_file():
             stem = Path(name).stem  # two files may share it, also with a built-in curve
-            chosen[name if stem in {**CURVES, **chosen} else stem] = CurveFile(
-                path=name, scale=scale
-            )
+            title = name if stem in {**CURVES, **chosen} else stem
+            text = title.encode("utf-8", errors="backslashreplace").decode()
+            chosen[text] = CurveFile(path=name, scale=scale)
         else:
             raise InvalidInput("curve", name, f"must be a file or one of {', '.join(CURVES)}")
     return chosen
