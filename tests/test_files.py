@@ -8,6 +8,7 @@ import stat
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -130,6 +131,28 @@ def test_modes_and_links_are_kept(tmp_path):
 
 def test_what_is_no_character_is_written_as_an_escape(tmp_path):
     assert write_text(tmp_path / "file", "ü\ud800").read_bytes() == b"\xc3\xbc\\ud800"
+
+
+@pytest.mark.parametrize("durable", [True, False])
+def test_a_file_is_on_the_disk_before_its_name_and_the_name_before_the_end(
+    tmp_path, monkeypatch, durable
+):
+    done = []
+    sync, rename = os.fsync, Path.replace
+    places = {tmp_path.stat().st_ino: "folder"}
+
+    def note_sync(descriptor):
+        done.append(places.get(os.fstat(descriptor).st_ino, "file"))
+        sync(descriptor)
+
+    def note_rename(path, target):
+        done.append("name")
+        return rename(path, target)
+
+    monkeypatch.setattr(os, "fsync", note_sync)
+    monkeypatch.setattr(Path, "replace", note_rename)
+    write_bytes(tmp_path / "file", b"content", durable=durable)
+    assert done == (["file", "name", "folder"] if durable else ["name"])
 
 
 def test_pipes_and_folders_are_not_replaced(tmp_path):

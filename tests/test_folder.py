@@ -163,3 +163,18 @@ def test_a_full_disk_leaves_whole_files_and_says_what_is_missing(small_disk):
         write(out, "new")
     assert "not complete" in (out / MARK).read_text()
     assert "new" not in contents(out)
+
+
+def test_who_has_waited_marks_the_folder_again(tmp_path):
+    code = (
+        "import sys, pathlib\nfrom osculate.folder import MARK, OutputFolder\n"
+        "with OutputFolder(sys.argv[1], 'run'):\n    print(pathlib.Path(sys.argv[1], MARK).exists())\n"
+    )
+    with OutputFolder(tmp_path, "run"):
+        other = subprocess.Popen(
+            [sys.executable, "-c", code, str(tmp_path)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert "is being written by another process" in other.stderr.readline()
+    assert other.communicate()[0] == "True\n"
+    assert MARK not in contents(tmp_path)

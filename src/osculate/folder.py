@@ -113,9 +113,7 @@ class OutputFolder:
     def _remove_old(self) -> None:
         """Once there is something new, what was there before goes."""
         for name in self._old:
-            here = (
-                name and Path(name).name == name
-            )  # a record that somebody changed removes nothing else
+            here = name and Path(name).name == name  # else somebody has changed the record
             if here and (self.path / name).is_file() and self.path / name not in self.written:
                 (self.path / name).unlink()
         self._old.clear()

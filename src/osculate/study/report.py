@@ -75,10 +75,15 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
             f'<section><h2>{name}</h2><div class="plot" id="plot-{n}"></div></section>'
             for n, name in enumerate(plots)
         ),
-        plots=json.dumps(list(plots.values())).replace("<", "\\u003c"),  # ends no script
+        plots=_as_script(list(plots.values())),
         plotly=get_plotlyjs(),
     )
     return write_text(path, page)
+
+
+def _as_script(data: Any) -> str:
+    """Data within a script of the page, which no name in them ends."""
+    return json.dumps(data).replace("<", "\\u003c")
 
 
 def _interventions(run: "Run") -> str:

@@ -95,6 +95,10 @@ def test_other_code_takes_nothing_over(monkeypatch):
     before = key_of(law=PurePursuit())
     monkeypatch.setattr(keeping, "code_fingerprint", lambda: "another")
     assert key_of(law=PurePursuit()) != before
+    monkeypatch.undo()
+    assert key_of(law=PurePursuit()) == before
+    monkeypatch.setattr(keeping, "_versions", lambda: "another")
+    assert key_of(law=PurePursuit()) != before
     monkeypatch.setattr(keeping, "code_fingerprint", lambda: None)
     assert key_of(law=PurePursuit()) is None
 
