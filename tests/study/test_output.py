@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -101,3 +102,17 @@ def test_a_file_that_fails_elsewhere_leaves_a_complete_folder(run, scenario, tmp
     assert MARK not in names
     write_output(run, tmp_path / "out", scenario)
     assert not (tmp_path / "out" / "own.nc").exists()
+
+
+def test_a_scenario_that_lies_in_its_own_output_is_never_missing(
+    run, scenario, tmp_path, monkeypatch
+):
+    write_output(run, tmp_path, scenario)
+    rename = Path.replace
+
+    def look(path, target):
+        assert Scenario.load(tmp_path / "scenario.json") == scenario
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "replace", look)
+    write_output(run, tmp_path, scenario, also=[tmp_path / "own.nc"])

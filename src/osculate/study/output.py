@@ -57,9 +57,8 @@ def write_output(
         InvalidInput: The folder cannot be made or written.
         NotWritten: Some of the files could not be written; the others are there.
     """
-    files = [_File(Path(path), partial(_save, run)) for path in also]
-    if output is not None:
-        files += _files_of(run, output, scenario, animate)
+    files = _files_of(run, output, scenario, animate) if output else []
+    files += [_File(Path(path), partial(_save, run)) for path in also]
     files = [file._replace(effort=FILM) if _is_film(file.path) else file for file in files]
     files.sort(key=lambda file: (file.effort, file.path.suffix in (".html", ".png")))
     failed: dict[str, Exception] = {}
