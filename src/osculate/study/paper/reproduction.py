@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from osculate.errors import InvalidInput
+from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.strict_json import strict_json
 from osculate.study.paper.cases import CASES, rms, run_cases
 from osculate.study.paper.claims import HOLDS, Claim, Runs, claims
@@ -38,22 +39,16 @@ class Reproduction:
 
         Raises:
             InvalidInput: The folder cannot be made or written.
+            NotWritten: Some of the files could not be written; the others are there.
         """
         from osculate.study.paper.figures import write_figures
 
-        folder = Path(output)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            record = folder / "claims.json"
-            content = strict_json([asdict(row) for row in self.rows], indent=2)
-            record.write_text(content + "\n", encoding="utf-8")
+        claims = strict_json([asdict(row) for row in self.rows], indent=2)
+        with OutputFolder(output, "reproduction") as folder:
+            folder.write("claims.json", lambda path: write_text(path, claims + "\n"))
             figures = write_figures(self.runs, folder, report)
-            page = folder / "paper.html"
-            page.write_text(self._page(figures), encoding="utf-8")
-        except OSError as error:
-            message = f"must be a writable folder ({error})"
-            raise InvalidInput("output", str(folder), message) from None
-        return [page, record, *figures]
+            folder.write("paper.html", lambda path: write_text(path, self._page(figures)))
+        return sorted(folder.written, key=lambda path: path.name != "paper.html")
 
     def _page(self, figures: list[Path]) -> str:
         claims = "\n".join(_claim_row(row) for row in self.rows)
