@@ -102,7 +102,7 @@ def run(
     also = [*(save or ()), *([video] if video else [])]
     if video:
         check_video(video)
-    _check_places(output, also, view)
+    _check_places(output, also, animate, view)
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
@@ -144,7 +144,7 @@ def _simulate(chosen: "Scenario", output: Path | None) -> "Run":
         raise typer.Exit(verdict.exit_code) from None
 
 
-def _check_places(output: Path | None, also: list[Path], view: bool) -> None:
+def _check_places(output: Path | None, also: list[Path], animate: bool, view: bool) -> None:
     """Complain before a simulation that may take long, not after it."""
     from osculate.files import check_folder
     from osculate.simulation.recording.formats import check_save
@@ -152,10 +152,12 @@ def _check_places(output: Path | None, also: list[Path], view: bool) -> None:
 
     if output:
         check_folder("output", output)
-    for n, path in enumerate(also):
+    taken = [(output / "animation.gif").resolve()] if output and animate else []
+    for path in also:
         check_save(path)
-        if path.resolve() in [other.resolve() for other in also[:n]]:
-            raise InvalidInput("path", str(path), "is given twice; give another name")
+        if path.resolve() in taken:
+            raise InvalidInput("path", str(path), "is written already; give another name")
+        taken.append(path.resolve())
     if view:
         require_display()
 
