@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from osculate.errors import InvalidScenario as InvalidScenario
     from osculate.errors import MissingExtra as MissingExtra
     from osculate.errors import NoSolution as NoSolution
+    from osculate.errors import NotWritten as NotWritten
     from osculate.errors import OsculateError as OsculateError
     from osculate.plant import Actuated as Actuated
     from osculate.plant import Disturbance as Disturbance
@@ -143,6 +144,7 @@ _ROOMS = {
         "InvalidScenario",
         "MissingExtra",
         "NoSolution",
+        "NotWritten",
         "OsculateError",
     ),
     "plant": (

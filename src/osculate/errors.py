@@ -5,7 +5,8 @@ to change without opening the source.
 """
 
 from collections.abc import Mapping
-from typing import TypeVar
+from importlib import import_module
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 LONGEST = 400  # characters of a value in a message
@@ -80,3 +81,33 @@ class MissingExtra(OsculateError, ImportError):
             f"{package} is not installed; install it with: pip install 'osculate[{extra}]'"
         )
         self.extra = extra
+
+
+def import_extra(module: str, extra: str, package: str) -> Any:
+    """A module of an optional package.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise MissingExtra(extra, package) from None
+
+
+class NotWritten(OsculateError):
+    """Some of the files that belong together could not be written; the others are there.
+
+    Attributes:
+        place: The folder, or what the files are for.
+        missing: Name of every missing file, and the error that kept it from being written.
+    """
+
+    def __init__(self, place: str, missing: Mapping[str, Exception]) -> None:
+        each = "; ".join(f"{name} is missing ({_reason(e)})" for name, e in missing.items())
+        super().__init__(f"{place} is not complete: {each}")
+        self.place, self.missing = place, dict(missing)
+
+
+def _reason(error: Exception) -> str:
+    return str(error) if isinstance(error, (OsculateError, OSError)) else repr(error)

@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from osculate.apps.cli import main
+
 
 def osculate(*arguments, code=0, **environment):
     import os
@@ -259,3 +261,70 @@ def test_curve_inspects_a_scenario_with_its_own_robot(tmp_path):
     assert "columns: x, y" in own
     assert "of 80.21°" in own  # the forklift's limit
     assert "of 70°" in osculate("curve", path, "--robot", "paper").stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "blocked", "message"),
+    [
+        (("run", "--save", "a.mcap"), ["mcap_ros2"], "pip install 'osculate[mcap]'"),
+        (("run", "--save", "a.mcap"), ["rosbags"], "pip install 'osculate[mcap]'"),
+        (("run", "--save", "a.rrd"), ["rerun"], "pip install 'osculate[rerun]'"),
+        (("run", "--video", "a.mp4"), ["av"], "pip install 'osculate[video]'"),
+        (("run", "--save", "a.mp4"), ["av"], "pip install 'osculate[video]'"),
+        (("run", "--video", "a.gif"), ["mujoco"], "pip install 'osculate[video]'"),
+        (("run", "--save", "a.txt"), [], "must end in .nc, .mcap or .rrd"),
+        (("run", "--video", "a.avi"), [], "must end in"),
+        (("run", "--save", "file/a.nc"), [], "must be writable"),
+        (("run", "--save", "a.nc", "--save", "./a.nc"), [], "is written already"),
+        (("run", "-o", "a", "--animate", "--video", "a/animation.gif"), [], "is written already"),
+        (("run", "--output", "file/out"), [], "output = 'file/out': must be a writable folder"),
+        (("run", "--output", "file"), [], "output = 'file': must be a writable folder"),
+        (("paper", "--output", "file"), [], "output = 'file': must be a writable folder"),
+        (("compare", "--output", "file"), [], "output = 'file': must be a writable folder"),
+        (("curve", "corner", "-o", "file/a"), [], "output = 'file/a': must be a writable folder"),
+        (("tune", "lqr", "--output", "file/t.json"), [], "must be writable"),
+        (("tune", "lqr", "--output", "."), [], "must be writable"),
+        (("tune", "lqr"), ["cma"], "pip install 'osculate[tune]'"),
+        (("compare", "--controllers", "lqr,nmpc"), ["casadi"], "pip install 'osculate[mpc]'"),
+        (("compare", "--plants", "ideal,mujoco"), ["mujoco"], "pip install 'osculate[mujoco]'"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_written_is_said_before_anything_runs(
+    tmp_path, monkeypatch, capsys, arguments, blocked, message
+):
+    (tmp_path / "file").write_text("")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["osculate", *arguments])
+    for name in blocked:
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in ("run.run_loop", "physics.run_physics", "batch._run"):
+        monkeypatch.setattr(f"osculate.simulation.{name}", pytest.fail)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    said = capsys.readouterr()
+    assert ended.value.code == 2
+    assert message in " ".join(said.err.split())
+    assert said.out == ""
+    assert {path.name for path in tmp_path.iterdir()} == {"file"}
+
+
+def test_a_film_that_fails_loses_nothing_that_was_written(tmp_path, monkeypatch, capsys):
+    def fail(*_, **__):
+        raise RuntimeError("the encoder gave up")
+
+    scenario = tmp_path / "mine.yaml"
+    scenario.write_text("clock: {kind: continuous, duration: 0.2}\n", encoding="utf-8")
+    out = tmp_path / "out"
+    monkeypatch.setattr("osculate.study.figures.write_animation", fail)
+    monkeypatch.setattr(
+        sys, "argv", ["osculate", "run", str(scenario), "--output", str(out), "--animate"]
+    )
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "out is not complete: animation.gif is missing (RuntimeError('the encoder gave" in said
+    assert {"run.nc", "metrics.json", "report.html", "overview.png", "INCOMPLETE.txt"} <= {
+        path.name for path in out.iterdir()
+    }
+    assert "Missing: animation.gif (the encoder gave up)" in (out / "INCOMPLETE.txt").read_text()

@@ -4,11 +4,13 @@ import json
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from PIL import Image
 
-from osculate import InvalidInput, Scenario
+from osculate import InvalidInput, NotWritten, Scenario
+from osculate.folder import MARK
 from osculate.study.output import write_output
 
 
@@ -38,7 +40,7 @@ def test_all_files_are_there(folder):
     names = {path.name for path in folder.iterdir()}
     assert names == {
         "report.html", "metrics.json", "run.nc", "scenario.json", "animation.gif", "overview.png",
-        "path.png", "speeds.png", "errors.png", "steering.png", "torques.png",
+        "path.png", "speeds.png", "errors.png", "steering.png", "torques.png", ".osculate.json",
     }  # fmt: skip
 
 
@@ -94,3 +96,37 @@ def test_an_unwritable_folder_is_explained(run, scenario, tmp_path):
     blocker.write_text("")
     with pytest.raises(InvalidInput, match=r"output = .*must be a writable folder"):
         write_output(run, blocker / "below", scenario)
+
+
+def test_what_lies_elsewhere_is_written_although_the_folder_cannot(run, scenario, tmp_path):
+    blocker = tmp_path / "file"
+    blocker.write_text("")
+    with pytest.raises(InvalidInput, match="must be a writable folder"):
+        write_output(run, blocker, scenario, also=[tmp_path / "run.nc", blocker / "other.nc"])
+    assert {path.name for path in tmp_path.iterdir()} == {"file", "run.nc"}
+
+
+def test_a_file_that_fails_elsewhere_leaves_a_complete_folder(run, scenario, tmp_path):
+    (tmp_path / "file").write_text("")
+    also = [tmp_path / "file" / "run.nc", tmp_path / "out" / "own.nc"]
+    with pytest.raises(NotWritten, match=r"file/run.nc is missing"):
+        write_output(run, tmp_path / "out", scenario, also=also)
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"report.html", "own.nc", "torques.png"} <= names
+    assert MARK not in names
+    write_output(run, tmp_path / "out", scenario)
+    assert not (tmp_path / "out" / "own.nc").exists()
+
+
+def test_a_scenario_that_lies_in_its_own_output_is_never_missing(
+    run, scenario, tmp_path, monkeypatch
+):
+    write_output(run, tmp_path, scenario)
+    rename = Path.replace
+
+    def look(path, target):
+        assert Scenario.load(tmp_path / "scenario.json") == scenario
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "replace", look)
+    write_output(run, tmp_path, scenario, also=[tmp_path / "own.nc"])

@@ -2,21 +2,31 @@
 
 import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
-from osculate.errors import InvalidInput, NoSolution, OsculateError, choose
+from osculate.apps.interrupt import farewell, interruptible
+from osculate.apps.terminal import (
+    err,
+    out,
+    print_rows,
+    print_table,
+    progress,
+    shown,
+    tell_error,
+    tell_path,
+    tell_verdict,
+    tell_warning,
+)
+from osculate.errors import InvalidInput, NoSolution, NotWritten, OsculateError, choose
 
 if TYPE_CHECKING:
     from osculate.curve import CurveFile
-    from osculate.simulation import Run, Verdict
+    from osculate.simulation import Run
     from osculate.study.scenario import Scenario
 
 app = typer.Typer(
@@ -27,30 +37,34 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
 )
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
 
+GO_ON = "are kept in {}; the same command goes on from there."
 ScenarioArgument = Annotated[
     str, typer.Argument(help="A scenario file (YAML) or the name of a built-in scenario.")
 ]
 
 
 def main() -> None:
-    """Entry point: runs a command and turns the package's errors into one message and an exit code."""
+    """Entry point: runs a command and turns the package's errors into one message and an exit code.
+
+    Wrong input is exit code 2, files that could not be written are 1, Ctrl-C is 130.
+    """
     warnings.showwarning = _show_warning
     try:
-        app()
+        with interruptible():
+            app()
+    except NotWritten as error:
+        tell_error(error)
+        sys.exit(1)
     except OsculateError as error:
-        err.print("[bold red]error:[/bold red]", end=" ")
-        err.print(str(error), markup=False)
         from osculate.simulation.verdict import WRONG_INPUT
 
+        tell_error(error)
         sys.exit(WRONG_INPUT)
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    err.print("[bold yellow]warning:[/bold yellow]", end=" ")
-    err.print(str(message), markup=False)
+    tell_warning(message)
 
 
 @app.command()
@@ -78,28 +92,36 @@ def run(
 
     The first line is the verdict: what happened first, where and when. It is also the exit code: 0 reached,
     1 internal error, 2 wrong input or infeasible, 10 hit, 11 left, 12 stopped, 13 diverged, 14 late,
-    15 reversed.
+    15 reversed. If files could not be written, it is 1; after Ctrl-C it is 130.
     """
+    from osculate.simulation.recording.video import check_video
     from osculate.study.scenario import Scenario
 
     if animate and not output:
         raise InvalidInput("animate", animate, "goes into the output folder: give --output as well")
-    _check_film(video, view)
+    also = [*(save or ()), *([video] if video else [])]
+    if video:
+        check_video(video)
+    _check_places(output, also, animate, view)
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
     result = _simulate(chosen, output)
-    _print_verdict(result.verdict, out)
+    tell_verdict(result.verdict, out, good=result.verdict.reached)
     _print_metrics(result, chosen.name)
-    if output:
+    if output or also:
         from osculate.study.output import write_output
 
         with progress("writing") as report:
-            written = write_output(result, output, chosen, animate=animate, report=report)
-        out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
-    for path in save or ():
-        out.print(f"Saved: [bold]{result.save(path)}[/bold]", soft_wrap=True)
-    _film(result, video, view)
+            written = write_output(result, output, chosen, animate, report, also)
+        if output:
+            tell_path("Report", written[0])
+        for path in also:
+            tell_path("Film" if path == video else "Saved", path)
+    if view:
+        from osculate.simulation.recording.video import view as show
+
+        show(result)
     raise typer.Exit(result.verdict.exit_code)
 
 
@@ -114,41 +136,30 @@ def _simulate(chosen: "Scenario", output: Path | None) -> "Run":
         from osculate.simulation.verdict import infeasible
 
         verdict = infeasible(error)
-        _print_verdict(verdict, err)
+        tell_verdict(verdict, err, good=False)
         if output:
             from osculate.study.output import write_refusal
 
-            out.print(
-                f"Report: [bold]{write_refusal(verdict, output, chosen)}[/bold]", soft_wrap=True
-            )
+            tell_path("Report", write_refusal(verdict, output, chosen))
         raise typer.Exit(verdict.exit_code) from None
 
 
-def _print_verdict(verdict: "Verdict", console: Console) -> None:
-    style = "green" if verdict.reached else "bold red"
-    console.print(str(verdict), style=style, markup=False, soft_wrap=True)
-
-
-def _check_film(video: Path | None, view: bool) -> None:
+def _check_places(output: Path | None, also: list[Path], animate: bool, view: bool) -> None:
     """Complain before a simulation that may take long, not after it."""
-    from osculate.simulation.recording.video import check_video, require_display
+    from osculate.files import check_folder
+    from osculate.simulation.recording.formats import check_save
+    from osculate.simulation.recording.video import require_display
 
-    if video:
-        check_video(video)
+    if output:
+        check_folder("output", output)
+    taken = [(output / "animation.gif").resolve()] if output and animate else []
+    for path in also:
+        check_save(path)
+        if path.resolve() in taken:
+            raise InvalidInput("path", str(path), "is written already; give another name")
+        taken.append(path.resolve())
     if view:
         require_display()
-
-
-def _film(result: "Run", video: Path | None, view: bool) -> None:
-    from osculate.simulation.recording.video import view as show
-    from osculate.simulation.recording.video import write_video
-
-    if video:
-        with progress("filming") as report:
-            write_video(result, video, report=report)
-        out.print(f"Film: [bold]{video}[/bold]", soft_wrap=True)
-    if view:
-        show(result)
 
 
 @app.command()
@@ -158,7 +169,7 @@ def scenarios() -> None:
 
     table = Table("name", "what it shows", box=None, header_style="bold")
     for name in built_in():
-        table.add_row(name, Scenario.load(name).description)
+        table.add_row(Text(name), Text(Scenario.load(name).description))
     out.print(table)
 
 
@@ -178,21 +189,22 @@ def paper(
     ] = "stop",
 ) -> None:
     """Reproduce the paper: Figures 1-7, and a judgement on every number and statement."""
+    from osculate.files import check_folder
     from osculate.study.paper import Interpretation, reproduce
 
     chosen = Interpretation.checked(yaw_origin, after_end)
+    check_folder("output", output)
     with progress("reproducing") as report:
         result = reproduce(chosen, report=report)
-        written = result.write(output)
+    with progress("writing") as report:
+        written = result.write(output, report)
     table = Table("statement", "source", "paper", "ours", "judgement", header_style="bold")
     for row in result.rows:
         colour = {"holds": "green", "does not hold": "red"}.get(row.judgement, "yellow")
-        table.add_row(
-            row.statement, row.source, row.expected_text, row.measured_text,
-            f"[{colour}]{row.judgement}[/{colour}]",
-        )  # fmt: skip
+        texts = (row.statement, row.source, row.expected_text, row.measured_text)
+        table.add_row(*map(Text, texts), Text(row.judgement, colour))
     out.print(table)
-    out.print(f"Written: {len(written)} files in [bold]{output}[/bold]", soft_wrap=True)
+    tell_path(f"Written: {len(written)} files in", output)
 
 
 @app.command()
@@ -228,9 +240,12 @@ def curve(
 ) -> None:
     """Inspect a curve: what the file holds, length, curvature, and whether a robot can follow it."""
     from osculate.curve import CurveFile
+    from osculate.files import check_folder
     from osculate.study.feasibility import draw, inspect_curve, load_source
     from osculate.vehicle import vehicle_named
 
+    if output:
+        check_folder("output", output)
     named = vehicle_named(robot) if robot else None
     chosen, own = load_source(
         source, scale=scale, tolerance=tolerance, columns=_columns(columns), loop=loop, take=take,
@@ -243,10 +258,10 @@ def curve(
     with progress("inspecting") as told:
         report = inspect_curve(chosen, named or own or vehicle_named("paper"), speed)
         told(1.0)
-    _print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
-    out.print(report.conclusion, style="none" if report.feasible else "bold red")
+    print_rows("" if isinstance(chosen, CurveFile) else source, report.rows())
+    out.print(shown(report.conclusion), style="none" if report.feasible else "bold red")
     if output:
-        out.print(f"Figure: [bold]{draw(chosen, report, output)}[/bold]", soft_wrap=True)
+        tell_path("Figure", draw(chosen, report, output))
     if not report.feasible:
         raise typer.Exit(1)
 
@@ -265,11 +280,10 @@ def _columns(text: str) -> tuple[int | str, int | str] | None:
 def _print_reading(chosen: "CurveFile") -> None:
     """What was understood of a file."""
     for label, value in [("file", chosen.path), *chosen.reading.rows()]:
-        out.print(f"[dim]{label}:[/dim] ", end="")
-        out.print(value, markup=False, soft_wrap=True)
+        out.print(Text.assemble((f"{label}: ", "dim"), shown(value)), soft_wrap=True)
     name = chosen.reading.found.speed_name
     if name and not chosen.speeds:
-        out.print(f"speeds: {name} is in the file and not used; --speeds keeps to it", markup=False)
+        out.print(shown(f"speeds: {name} is in the file and not used; --speeds keeps to it"))
 
 
 @app.command()
@@ -313,10 +327,12 @@ def compare(
 ) -> None:
     """Compare controllers on curves, speeds, starts and plants."""
     from osculate.control.tracking import Nmpc
+    from osculate.files import check_folder
     from osculate.study.comparison import compare as run_comparison
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import starts as known_starts
     from osculate.study.comparison import trackers_for
+    from osculate.study.comparison.kept import Kept
     from osculate.study.comparison.report import MEANING, OURS, ranking_table
     from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
     from osculate.study.comparison.suite import conditions
@@ -332,6 +348,9 @@ def compare(
         )
     states = conditions(_names(plants), suite or "ideal", body)
     random = any(state.seeded for state in states.values())
+    check_folder("output", output)
+    kept = Kept(output / "cells")
+    farewell.append(f"finished cells {GO_ON.format(shown(kept.folder))}")
     with progress("comparing") as report:
         result = run_comparison(
             chosen,
@@ -341,16 +360,19 @@ def compare(
             condition=states,
             robot=body,
             draws=draws or (3 if random else 1),
+            keep=kept,
             report=report,
         )
-    out.print(result.verdict, style="green" if result.reached else "bold red", soft_wrap=True)
-    _print_table(ranking_table(result))
+    tell_verdict(result.verdict, out, good=result.reached)
+    if kept.taken:
+        tell_path(f"Taken over: {kept.taken} of {len(result.cells)} cells, kept in", kept.folder)
+    print_table(ranking_table(result))
     if len({cell["plant"] for cell in result.cells}) > 1 and OURS in result.controllers:
-        _print_table(condition_table(result, OURS))
+        print_table(condition_table(result, OURS))
         out.print(MEANING, style="dim")
         out.print(summary(paired_comparisons(result, OURS)))
     written = result.write(output)
-    out.print(f"Report: [bold]{written[0]}[/bold]", soft_wrap=True)
+    tell_path("Report", written[0])
 
 
 @app.command()
@@ -378,9 +400,11 @@ def tune(
 ) -> None:
     """Tune a controller on training curves by CMA-ES."""
     from osculate.control.tracking import TRACKERS
+    from osculate.files import check_file
     from osculate.study.comparison import curves as known_curves
     from osculate.study.comparison import quick_search
     from osculate.study.comparison import tune as run_tuning
+    from osculate.study.comparison.kept import Kept
     from osculate.vehicle import vehicle_named
 
     law = choose("controller", controller, TRACKERS)
@@ -389,16 +413,22 @@ def tune(
         search["population"] = population
     if curves or scale != 1.0:
         search["on"] = known_curves(_names(curves), scale)
+    check_file("output", output)
+    kept = Kept(output.with_name(f"{output.stem}.generations"))
+    farewell.append(f"finished generations {GO_ON.format(shown(kept.folder))}")
     with progress(f"tuning {controller}") as report:
         result = run_tuning(
-            law, robot=vehicle_named(robot), generations=generations, seed=seed, report=report,
-            **search,
+            law, robot=vehicle_named(robot), generations=generations, seed=seed, keep=kept,
+            report=report, **search,
         )  # fmt: skip
+    if kept.taken:
+        again = f"{kept.taken - 1} of {generations} generations"  # one is the start of the search
+        tell_path(f"Taken over: {again}, kept in", kept.folder)
     for name in result.controller.tunable:
         out.print(f"{name}: {getattr(result.controller, name):.6g}")
     before, after = 10**result.initial_cost, 10**result.cost
     out.print(f"geometric mean of the RMS: {before:.4g} mm before, {after:.4g} mm after")
-    out.print(f"Written: [bold]{result.write(output)}[/bold]", soft_wrap=True)
+    tell_path("Written", result.write(output))
 
 
 @app.command()
@@ -409,7 +439,7 @@ def init(
     from osculate.study.scenario import write_template
 
     for written in write_template(path):
-        out.print(f"Written: [bold]{written}[/bold]", soft_wrap=True)
+        tell_path("Written", written)
 
 
 @app.command()
@@ -440,52 +470,15 @@ def model() -> None:
     """Print the derived equations of motion as LaTeX."""
     from osculate.vehicle.derivation import derive
 
-    out.print(derive().latex(), markup=False, soft_wrap=True)
-
-
-@contextmanager
-def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on the terminal; the function it gives takes the fraction done."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
-        task = bar.add_task(what, total=1.0)
-
-        def report(fraction: float) -> None:
-            bar.update(task, completed=fraction)
-
-        yield report
-
-
-def _print_table(rows: list[list[str]]) -> None:
-    header, *body = rows
-    table = Table(*header, header_style="bold")
-    for row in body:
-        table.add_row(*row)
-    out.print(table)
-
-
-def _print_rows(title: str, rows: list[tuple[str, str]]) -> None:
-    table = Table(
-        title=title, title_justify="left", title_style="bold", show_header=False, box=None
-    )
-    table.add_column(style="dim")
-    table.add_column(justify="right")
-    for label, value in rows:
-        table.add_row(label, value)
-    out.print(table)
+    out.print(derive().latex(), soft_wrap=True)
 
 
 def _print_metrics(result: "Run", title: str) -> None:
     from osculate.study.report import metric_rows
 
-    _print_rows(title, metric_rows(result.metrics))
+    print_rows(title, metric_rows(result.metrics))
     for done in result.interventions:
-        out.print(str(done), style="yellow", markup=False)
+        out.print(shown(done), style="yellow")
 
 
 if __name__ == "__main__":

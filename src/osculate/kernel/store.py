@@ -10,8 +10,6 @@ import contextlib
 import hashlib
 import os
 import pickle
-import tempfile
-import time
 import warnings
 from functools import cache
 from pathlib import Path
@@ -24,13 +22,13 @@ from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
 from numba.core.types import BaseTuple
 
+from osculate.files import write_bytes
 from osculate.kernel.fingerprint import pin
 from osculate.kernel.folder import cache_directory, others_write
 from osculate.kernel.foreign import versions
 
 MAGIC = b"osculate machine code 1\n"
 HEAD = len(MAGIC) + hashlib.sha256().digest_size
-ABANDONED = 3600.0  # s, after which a temporary file is that of a process that was killed
 
 
 class MachineCode(NullCache):  # type: ignore[misc]
@@ -92,29 +90,14 @@ def _read(file: Path) -> bytes | None:
 
 
 def _write(file: Path, payload: bytes) -> None:
-    temporary = None
     try:
-        _clear(file.parent)
-        number, temporary = tempfile.mkstemp(suffix=".tmp", dir=file.parent)  # mode 0600
-        with os.fdopen(number, "wb") as stream:
-            stream.write(_head(file, payload) + payload)
-        Path(temporary).replace(file)
+        write_bytes(file, _head(file, payload) + payload, durable=False, private=True)
     except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
         _say(f"machine code cannot be stored ({error}); the next process compiles again")
 
 
 def _head(file: Path, payload: bytes) -> bytes:
     return MAGIC + hashlib.sha256(file.name.encode() + payload).digest()
-
-
-def _clear(folder: Path) -> None:
-    """Remove what killed processes have left."""
-    for file in folder.glob("*.tmp"):
-        with contextlib.suppress(FileNotFoundError):  # another process was faster
-            if time.time() - file.stat().st_mtime > ABANDONED:
-                file.unlink()
 
 
 @cache

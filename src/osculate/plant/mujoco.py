@@ -6,13 +6,12 @@ steering servo is a position actuator on a joint with armature, the motors act t
 """
 
 import math
-from importlib import import_module
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from osculate.control.contract import Start
-from osculate.errors import MissingExtra
+from osculate.errors import import_extra
 from osculate.plant.actuated import CRAWL, ActuatedPlant
 from osculate.plant.contract import PlantPart, Push
 from osculate.plant.tyre import Patch
@@ -40,6 +39,14 @@ class Mujoco(ActuatedPlant):
         """A MuJoCo plant has no kernel: see `MujocoRobot`."""
         raise NotImplementedError
 
+    def load(self) -> Any:
+        """The module of MuJoCo.
+
+        Raises:
+            MissingExtra: It is not installed.
+        """
+        return import_extra("mujoco", "mujoco", "mujoco")
+
     def robot(self, robot: Tricycle, start: Start, step: float) -> "MujocoRobot":
         """The robot standing at its start.
 
@@ -58,10 +65,7 @@ class MujocoRobot:
     """
 
     def __init__(self, plant: Mujoco, robot: Tricycle, start: Start, step: float) -> None:
-        try:
-            self._mujoco: Any = import_module("mujoco")
-        except ImportError:
-            raise MissingExtra("mujoco", "mujoco") from None
+        self._mujoco = plant.load()
         real = plant.real(robot)
         self.model = self._mujoco.MjModel.from_xml_string(mjcf(robot, plant, step))
         self.data = self._mujoco.MjData(self.model)

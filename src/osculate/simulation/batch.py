@@ -1,8 +1,9 @@
 """Many robots at once: the same closed-loop step in lanes, blocks of lanes in threads."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -134,7 +135,7 @@ def simulate_batch(
     def run(start: int) -> tuple[Finished, list[Hit | None]]:
         return _run(first, columns, start, record_every, scenes)
 
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool, _none_left(pool):
         for start, (block, touched) in zip(starts, pool.map(run, starts), strict=True):
             used = min(LANES, count - start)
             record = np.moveaxis(block.record[..., :used], 2, 0)
@@ -151,6 +152,16 @@ def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise InvalidInput(f"vary[{name!r}]", values, "must be one number for every run") from None
+
+
+@contextmanager
+def _none_left(pool: ThreadPoolExecutor) -> Iterator[None]:
+    """After an error or Ctrl-C, blocks that have not begun are not run."""
+    try:
+        yield
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
 
 
 def variable_names(curve: Any, robot: Any = None, **parts: Any) -> list[str]:

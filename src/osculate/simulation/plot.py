@@ -43,6 +43,11 @@ def new_figure(width: float, height: float, mosaic: Any = (("only",),), **layout
     return figure, axes
 
 
+def unmarked(text: str) -> str:
+    """A text in which Matplotlib finds no formula."""
+    return text.replace("$", r"\$")
+
+
 def path_panel(ax: "Axes", run: "Run") -> None:
     """Target curve, path driven, obstacles, and the robot's footprint along the way."""
     from matplotlib.patches import Polygon

@@ -1,6 +1,5 @@
 """One simulated run: record, metrics and the objects it was made from."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +12,7 @@ from osculate.control import Controller, Ekf, PathTracker, Safety
 from osculate.control.reasons import CAUSES, REASONS
 from osculate.curve import Curve
 from osculate.errors import InvalidInput, require_kind
+from osculate.files import write_by
 from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Sensors
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
@@ -66,9 +66,6 @@ def list_interventions(columns: dict[str, NDArray[np.float64]]) -> list[Interven
         for b, e in zip(begins, ends, strict=True)
         if numbers[b] > 0.0
     ]  # fmt: skip
-
-
-ENDINGS = ".nc, .mcap or .rrd (records), .mp4 or .gif (films)"
 
 
 @dataclass(frozen=True)
@@ -132,19 +129,12 @@ class Run:
             InvalidInput: Another ending, or a file that cannot be written.
             MissingExtra: What writes this format is not installed.
         """
-        from osculate.simulation.dataset import write_netcdf
-        from osculate.simulation.recording import write_mcap, write_rerun, write_video
+        from osculate.simulation.recording.formats import writer_for
 
-        writers: dict[str, Callable[[Run, Path], Path]] = {
-            ".nc": write_netcdf, ".mcap": write_mcap, ".rrd": write_rerun, ".mp4": write_video,
-            ".gif": write_video,
-        }  # fmt: skip
         target = Path(path)
-        if target.suffix not in writers:
-            raise InvalidInput("path", str(path), f"must end in {ENDINGS}")
+        write = writer_for(target)
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            return writers[target.suffix](self, target)
+            return write_by(lambda temporary: write(self, temporary), target)
         except OSError as error:
             raise InvalidInput("path", str(path), f"must be writable ({error})") from None
 

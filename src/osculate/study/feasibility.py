@@ -12,6 +12,7 @@ from osculate.curve import Curve, CurveFile
 from osculate.curve.files.source import read_text
 from osculate.curve.spline import PolylineError, Spline
 from osculate.errors import InvalidInput
+from osculate.files import write_by
 from osculate.simulation.plot import BLUE, ORANGE, RED, new_figure
 from osculate.study.comparison.suite import CURVES
 from osculate.study.scenario import Scenario
@@ -228,10 +229,6 @@ def inspect_curve(curve: Curve, robot: Tricycle, speed: float = 1.0) -> Feasibil
 
 def draw(curve: Curve, report: Feasibility, folder: Path) -> Path:
     """Draw the curve and its curvature as ``curve.png`` into a folder."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInput("output", str(folder), f"must be a writable folder ({error})") from None
     s = np.linspace(0.0, curve.length, 2001)
     point = curve.at(s)
     figure, axes = new_figure(10.0, 4.0, [["path", "bend"]])
@@ -251,6 +248,7 @@ def draw(curve: Curve, report: Feasibility, folder: Path) -> Path:
     bend.plot(s, point.curvature, color=BLUE)
     least = "straight" if report.straight else f"R ≥ {report.radius:.4g} m"
     bend.set(xlabel="arc length (m)", ylabel="curvature (1/m)", title=least)
-    target = folder / "curve.png"
-    figure.savefig(target)
-    return target
+    try:
+        return write_by(figure.savefig, folder / "curve.png")
+    except OSError as error:
+        raise InvalidInput("output", str(folder), f"must be a writable folder ({error})") from None

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from osculate.files import write_text
 from osculate.simulation.dataset import plain_parts
 from osculate.simulation.metrics import Metrics
 from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, footprints, readable, thinned
@@ -77,11 +78,15 @@ def write_report(run: "Run", path: Path, title: str, description: str = "") -> P
             f'<section><h2>{name}</h2><div class="plot" id="plot-{n}"></div></section>'
             for n, name in enumerate(plots)
         ),
-        plots=strict_json(list(plots.values())),
+        plots=_as_script(list(plots.values())),
         plotly=get_plotlyjs(),
     )
-    path.write_text(page, encoding="utf-8")
-    return path
+    return write_text(path, page)
+
+
+def _as_script(data: Any) -> str:
+    """Data within a script of the page, which no name in them ends."""
+    return strict_json(data).replace("<", "\\u003c")
 
 
 def write_refusal_report(verdict: "Verdict", scenario: "Scenario", path: Path) -> Path:
@@ -98,8 +103,7 @@ def write_refusal_report(verdict: "Verdict", scenario: "Scenario", path: Path) -
         plots="[]",
         plotly="",
     )
-    path.write_text(page, encoding="utf-8")
-    return path
+    return write_text(path, page)
 
 
 def verdict_banner(verdict: "Verdict") -> str:

@@ -14,6 +14,7 @@ from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.curve.files.documents import load_yaml
 from osculate.errors import InvalidInput, choose
+from osculate.files import write_text
 from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
 from osculate.scene import Scene
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
@@ -212,10 +213,9 @@ def write_template(path: Path) -> list[Path]:
     text = files("osculate.study").joinpath("template.yaml").read_text(encoding="utf-8")
     schema = path.with_name("scenario.schema.json")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
         content = strict_json(Scenario.model_json_schema(), indent=1)
-        schema.write_text(content + "\n", encoding="utf-8")
+        write_text(schema, content + "\n")
+        write_text(path, text)
     except OSError as error:
         raise InvalidInput("path", str(path), f"must be writable ({error})") from None
     return [path, schema]

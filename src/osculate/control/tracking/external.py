@@ -46,6 +46,14 @@ def steer_given(
 class ExternalTracker(PathTracker):
     """A tracker whose steering angles come from Python."""
 
+    def load(self) -> Any:
+        """The optional package that it needs, asked for before long work; None if none.
+
+        Raises:
+            MissingExtra: It is not installed.
+        """
+        return None
+
     def steering_part(self, road: Road) -> SteerPart:
         """See `PathTracker.steering_part`."""
         return SteerPart(steer_given, Nothing(), GivenSteering(0.0))

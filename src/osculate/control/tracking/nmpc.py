@@ -5,7 +5,6 @@ equal steps; the cost weighs y, e and the changes of the command. Solved anew at
 from the last solution shifted by one step. The delay is looked through as in `CurvatureTracker`.
 """
 
-from importlib import import_module
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -15,7 +14,7 @@ from osculate.control.tracking.contract import Road, TrackingMemory, View, foot_
 from osculate.control.tracking.external import Decide, ExternalTracker
 from osculate.control.tracking.pipe import PipeParameters, look_ahead
 from osculate.curve.contract import Curve
-from osculate.errors import MissingExtra
+from osculate.errors import import_extra
 from osculate.spec import quantity
 from osculate.vehicle.motion import Motion
 
@@ -35,6 +34,10 @@ class Nmpc(ExternalTracker):
     change_weight: float = quantity(
         "1/rad²", "weight of changes of the command", default=0.02, gt=0
     )
+
+    def load(self) -> Any:
+        """See `ExternalTracker.load`: the module of CasADi."""
+        return import_extra("casadi", "mpc", "casadi")
 
     def decider(self, curve: Curve, road: Road, tables: NDArray[np.float64]) -> Decide:
         """See `ExternalTracker.decider`.
@@ -72,10 +75,7 @@ class Nmpc(ExternalTracker):
         return decide
 
     def _solver(self, curve: Curve, road: Road) -> tuple[Any, tuple[float, float], float]:
-        try:
-            ca: Any = import_module("casadi")
-        except ImportError:
-            raise MissingExtra("mpc", "casadi") from None
+        ca = self.load()
         robot, act = road.robot, road.robot.actuators
         margin = 2.0
         s = np.linspace(-margin, curve.length + margin, NODES)

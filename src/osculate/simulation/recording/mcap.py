@@ -10,13 +10,12 @@
 | /diagnostics | diagnostic_msgs/DiagnosticArray: verdict, metrics and interventions, once, at the end |
 """
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from osculate.errors import MissingExtra
+from osculate.errors import import_extra
 from osculate.simulation.metrics import Metrics
 
 if TYPE_CHECKING:
@@ -42,11 +41,7 @@ def write_mcap(run: "Run", path: Path) -> Path:
     Raises:
         MissingExtra: The writer is not installed.
     """
-    try:
-        writer_of: Any = import_module("mcap_ros2.writer").Writer
-        systems: Any = import_module("rosbags.typesys")
-    except ImportError:
-        raise MissingExtra("mcap", "mcap-ros2-support") from None
+    writer_of, systems = load_mcap()
     store = systems.get_typestore(systems.Stores.ROS2_JAZZY)
     with path.open("wb") as stream:
         writer = writer_of(stream)
@@ -68,6 +63,16 @@ def write_mcap(run: "Run", path: Path) -> Path:
         send("/diagnostics", end, _diagnostics(run, end))
         writer.finish()
     return path
+
+
+def load_mcap() -> tuple[Any, Any]:
+    """The writer, and the definitions of messages.
+
+    Raises:
+        MissingExtra: They are not installed.
+    """
+    writer = import_extra("mcap_ros2.writer", "mcap", "mcap-ros2-support").Writer
+    return writer, import_extra("rosbags.typesys", "mcap", "rosbags")
 
 
 def _kept(run: "Run") -> Any:

@@ -1,12 +1,11 @@
 """A run as a Rerun recording: obstacles, target curve, path driven, footprint, and all time series."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from osculate.errors import MissingExtra
+from osculate.errors import import_extra
 from osculate.simulation.variables import BY_NAME
 
 if TYPE_CHECKING:
@@ -25,17 +24,25 @@ def write_rerun(run: "Run", path: Path) -> Path:
     Raises:
         MissingExtra: Rerun is not installed.
     """
-    try:
-        rr: Any = import_module("rerun")
-    except ImportError:
-        raise MissingExtra("rerun", "rerun-sdk") from None
+    rr = load_rerun()
     stream = rr.RecordingStream("osculate")
-    stream.save(str(path))
+    memory = (
+        stream.binary_stream()
+    )  # Rerun's own writer keeps errors, of a full disk say, to itself
     _map(rr, stream, run)
     _series(rr, stream, run)
-    stream.flush()
+    path.write_bytes(memory.read())
     stream.disconnect()
     return path
+
+
+def load_rerun() -> Any:
+    """The module.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    return import_extra("rerun", "rerun", "rerun-sdk")
 
 
 def _map(rr: Any, stream: Any, run: "Run") -> None:

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from osculate.control.tracking import PathTracker
 from osculate.control.tracking.external import ExternalTracker
 from osculate.curve import Curve
-from osculate.errors import InvalidInput, require_kind
+from osculate.errors import require_kind
+from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.plant import Mujoco, world_of
 from osculate.scene import Scene
 from osculate.simulation import (
@@ -28,6 +30,7 @@ from osculate.simulation import (
 from osculate.simulation.size import require_callable
 from osculate.strict_json import strict_json
 from osculate.study.comparison.arguments import require_effect, require_named
+from osculate.study.comparison.kept import Arrays, Kept, key_of
 from osculate.study.comparison.suite import Condition, conditions, curves, starts
 from osculate.study.comparison.tuned import trackers_for
 from osculate.target import Limits, plan_speed
@@ -149,22 +152,18 @@ class Comparison:
         """Write ``comparison.html``, ``comparison.json``, ``comparison.parquet`` and one PNG per curve.
 
         Raises:
-            InvalidInput: The folder cannot be written.
+            InvalidInput: The folder cannot be made or written.
+            NotWritten: Some of the files could not be written; the others are there.
         """
         from osculate.study.comparison.report import write_figures, write_page
 
-        folder = Path(output)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            record = folder / "comparison.json"
-            text = strict_json(self.cells, indent=1)
-            record.write_text(text + "\n", encoding="utf-8")
+        text = strict_json(self.cells, indent=1)
+        with OutputFolder(output, "comparison") as folder:
+            folder.write("comparison.json", lambda path: write_text(path, text + "\n"))
+            folder.write("comparison.parquet", self._write_parquet)
             figures = write_figures(self, folder)
-            page = write_page(self, folder / "comparison.html", figures)
-            return [page, record, self._write_parquet(folder / "comparison.parquet"), *figures]
-        except OSError as error:
-            message = f"must be a writable folder ({error})"
-            raise InvalidInput("output", str(folder), message) from None
+            folder.write("comparison.html", lambda path: write_page(self, path, figures))
+        return sorted(folder.written, key=lambda path: path.suffix != ".html")
 
     def _write_parquet(self, path: Path) -> Path:
         import pyarrow as pa
@@ -187,6 +186,7 @@ def compare(
     limits: Limits | None = None,
     clock: Sampled | None = None,
     draws: int = 1,
+    keep: Kept | str | Path | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Comparison:
     """Run every combination and collect one cell for each.
@@ -202,11 +202,14 @@ def compare(
         clock: Period, known delay and step; the duration follows from the plans unless it is given.
         draws: How often every combination with random numbers is run, each time with another seed;
             all controllers meet the same ones.
+        keep: Folder in which every finished cell is kept; cells that are there already, made by the
+            same code from the same parts, are taken over and not run again.
         report: Called with the fraction that is done.
 
     Raises:
         InvalidInput: An argument that is empty, of another kind, or has no effect beside the others.
         NoSolution: The robot cannot follow one of the curves.
+        MissingExtra: A controller or condition needs a package that is not installed.
     """
     body, task = Tricycle() if robot is None else robot, Limits() if limits is None else limits
     require_kind("robot", body, Tricycle)
@@ -219,6 +222,8 @@ def compare(
     timing = clock if clock is not None else Sampled(period=0.01, delay=0.01)
     require_kind("clock", timing, Sampled)
     require_callable(report)
+    kept = Kept.at(keep)
+    _load(laws, states)
     grid = list(itertools.product(paths, speeds, begins))
     allowed = {v: task.but(speed=v, creep=min(task.creep, v)) for v in speeds}
     longest = max(
@@ -242,16 +247,20 @@ def compare(
             for c, v, s, seed in cells
         ]  # fmt: skip
         own = _clock(timing, state, body, duration)
-        alone = isinstance(laws[name], ExternalTracker) or isinstance(state.plant, Mujoco)
-        run = _run_alone if alone else _run_together
-        for (c, v, s, seed), (values, verdict, trace) in zip(
-            cells, run(work, laws[name], own), strict=True
-        ):
+        outcomes = _run_or_take(work, laws[name], own, kept)
+        for (c, v, s, seed), (values, verdict, trace) in zip(cells, outcomes, strict=True):
             comparison.cells.append(_cell((name, c, v, s, kind, seed), values, verdict, state))
             comparison.traces.setdefault((name, c, f"{v:g}", s, kind), trace)
         if report:
             report(done / len(tasks))
     return comparison
+
+
+def _load(laws: Mapping[str, PathTracker], states: Mapping[str, Condition]) -> None:
+    """Ask for optional packages now, not after hours."""
+    for part in (*laws.values(), *(state.plant for state in states.values())):
+        if isinstance(part, (ExternalTracker, Mujoco)):
+            part.load()
 
 
 def _surroundings(state: Condition) -> dict[str, Any]:
@@ -273,6 +282,55 @@ def _clock(timing: Sampled, state: Condition, robot: Tricycle, duration: float) 
 
 
 Outcome = tuple[dict[str, Any], Verdict, Trace]
+
+
+def _run_or_take(
+    work: list[dict[str, Any]], law: PathTracker, clock: Sampled, kept: Kept | None
+) -> list[Outcome]:
+    """The outcome of each run: of those that are kept, or run now and kept as soon as they are made."""
+    if kept is None:
+        return [*_run(work, law, clock)]
+    keys = [key_of(controller=law, clock=clock, **parts) for parts in work]
+    found = [_unpacked(kept.find(key)) for key in keys]
+    left = [n for n, outcome in enumerate(found) if outcome is None]
+    if left:
+        for n, outcome in zip(left, _run([work[n] for n in left], law, clock), strict=True):
+            kept.keep(keys[n], _packed(outcome))
+            found[n] = outcome
+    return [outcome for outcome in found if outcome is not None]
+
+
+def _packed(outcome: Outcome) -> Arrays:
+    values, verdict, trace = outcome
+    return {
+        "metrics": _row(values), "verdict": _row(verdict.as_dict()), "trace": np.stack(trace)
+    }  # fmt: skip
+
+
+def _unpacked(arrays: Arrays | None) -> Outcome | None:
+    if arrays is None:
+        return None
+    values, found = _fields(arrays["metrics"]), _fields(arrays["verdict"])
+    verdict = Verdict(**{**found, "kind": VerdictKind(found["kind"])})
+    return values, verdict, Trace(*arrays["trace"])
+
+
+def _row(values: Mapping[str, Any]) -> NDArray[Any]:
+    """Named values of any kinds, bit for bit, as one row of a table; None is left out."""
+    known = {name: value for name, value in values.items() if value is not None}
+    return np.array(
+        [tuple(known.values())],
+        dtype=[(name, np.asarray(value).dtype) for name, value in known.items()],
+    )
+
+
+def _fields(row: NDArray[Any]) -> dict[str, Any]:
+    return dict(zip(row.dtype.names or (), row[0].item(), strict=True))
+
+
+def _run(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:
+    alone = isinstance(law, ExternalTracker) or isinstance(work[0]["plant"], Mujoco)
+    return (_run_alone if alone else _run_together)(work, law, clock)
 
 
 def _run_alone(work: list[dict[str, Any]], law: PathTracker, clock: Sampled) -> Iterator[Outcome]:

@@ -2,13 +2,19 @@
 
 import base64
 import html
+import re
+from collections.abc import Iterable
+from functools import partial
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.simulation import VerdictKind
-from osculate.simulation.plot import new_figure
+from osculate.simulation.plot import new_figure, unmarked
 from osculate.study.comparison.compare import Comparison
 from osculate.study.comparison.significance import condition_table, paired_comparisons, summary
 
@@ -18,39 +24,60 @@ MEANING = (
     f"{OURS}, − less, = what cannot be told apart (paired, 95 % confidence). All controllers have the same "
     "speed loop, estimator and random numbers."
 )
+LONGEST_NAME = 60  # characters of the name of a figure's file
 COLOURS = ("#1f5fa8", "#d9730d", "#2e8b57", "#b3261e", "#7b4fa3", "#5b6470", "#b08900", "#0f8a8a")
 
 
-def write_figures(comparison: Comparison, folder: Path) -> list[Path]:
+def write_figures(comparison: Comparison, folder: OutputFolder) -> list[Path]:
     """One PNG per curve: the curve, and the error of all controllers over arc length."""
-    paths = []
-    for name, curve in comparison.curves.items():
-        keys = [key for key in comparison.traces if key[1] == name]
-        _, start, kind = keys[0][2:]
-        speeds = sorted({key[2] for key in keys}, key=float)
-        speed = speeds[len(speeds) // 2]
-        figure, axes = new_figure(11.0, 3.8, [["path", "error", "error"]])
-        point = curve.at(np.linspace(0.0, curve.length, 801))
-        axes["path"].plot(point.x, point.y, color="#5b6470", linewidth=3.0, alpha=0.4)
-        for colour, law in zip(COLOURS, comparison.controllers, strict=False):
-            trace = comparison.traces[(law, name, speed, start, kind)]
-            axes["path"].plot(trace.x, trace.y, color=colour, linewidth=0.9)
-            error = np.maximum(1e3 * np.abs(trace.cross_track), 1e-5)
-            axes["error"].semilogy(trace.arc_length, error, color=colour, linewidth=1.1, label=law)
-        axes["path"].set_aspect("equal", adjustable="datalim")
-        axes["path"].set(xlabel="x (m)", ylabel="y (m)", title=f"{name}, up to {speed} m/s")
-        axes["error"].set(
-            xlabel="arc length (m)",
-            ylabel="|cross-track error| (mm)",
-            title=f"start {start}, {kind}",
-        )
-        axes["error"].legend(
-            loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small"
-        )
-        figure.subplots_adjust(right=0.84, wspace=0.3)
-        paths.append(folder / f"{name}.png")
-        figure.savefig(paths[-1])
-    return paths
+    names = _file_names(comparison.curves)
+    paths = [
+        folder.write(f"{names[name]}.png", partial(_write_figure, comparison, name))
+        for name in comparison.curves
+    ]
+    return [path for path in paths if path is not None]
+
+
+def _file_names(curves: Iterable[str]) -> dict[str, str]:
+    """A file name for every curve: without what has a meaning in paths, and each only once."""
+    names: dict[str, str] = {}
+    for curve in curves:
+        plain = re.sub(r"[^\w.+-]", "_", curve)[:LONGEST_NAME].strip(".") or "curve"
+        used = {name.lower() for name in names.values()}
+        candidates = chain([plain], (f"{plain}-{n}" for n in count(2)))
+        names[curve] = next(name for name in candidates if name.lower() not in used)
+    return names
+
+
+def _write_figure(comparison: Comparison, name: str, path: Path) -> None:
+    curve = comparison.curves[name]
+    keys = [key for key in comparison.traces if key[1] == name]
+    _, start, kind = keys[0][2:]
+    speeds = sorted({key[2] for key in keys}, key=float)
+    speed = speeds[len(speeds) // 2]
+    figure, axes = new_figure(11.0, 3.8, [["path", "error", "error"]])
+    point = curve.at(np.linspace(0.0, curve.length, 801))
+    axes["path"].plot(point.x, point.y, color="#5b6470", linewidth=3.0, alpha=0.4)
+    lines = {}
+    for colour, law in zip(COLOURS, comparison.controllers, strict=False):
+        trace = comparison.traces[(law, name, speed, start, kind)]
+        axes["path"].plot(trace.x, trace.y, color=colour, linewidth=0.9)
+        error = np.maximum(1e3 * np.abs(trace.cross_track), 1e-5)
+        (lines[law],) = axes["error"].semilogy(trace.arc_length, error, color=colour, linewidth=1.1)
+    title = f"{unmarked(name)}, up to {speed} m/s"
+    axes["path"].set_aspect("equal", adjustable="datalim")
+    axes["path"].set(xlabel="x (m)", ylabel="y (m)", title=title)
+    axes["error"].set(
+        xlabel="arc length (m)",
+        ylabel="|cross-track error| (mm)",
+        title=unmarked(f"start {start}, {kind}"),
+    )
+    axes["error"].legend(
+        lines.values(), map(unmarked, lines),
+        loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize="small",
+    )  # fmt: skip
+    figure.subplots_adjust(right=0.84, wspace=0.3)
+    figure.savefig(path)
 
 
 def ranking_table(comparison: Comparison) -> list[list[str]]:
@@ -116,8 +143,7 @@ def write_page(comparison: Comparison, path: Path, figures: list[Path]) -> Path:
         cells=_table(cell_table(comparison)),
         pictures=pictures,
     )
-    path.write_text(page, encoding="utf-8")
-    return path
+    return write_text(path, page)
 
 
 def _significance(comparison: Comparison) -> str:

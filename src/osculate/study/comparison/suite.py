@@ -174,10 +174,13 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
         if name in CURVES:
             chosen[name] = CURVES[name]
         elif Path(name).is_file():
-            label = Path(name).stem
-            if label in chosen:
-                raise InvalidInput("curve", name, f"has the name of another curve, {label}")
-            chosen[label] = CurveFile(path=name, scale=scale)
+            stem = Path(name).stem  # two files may share it, also with a built-in curve
+            title = name if stem in {**CURVES, **chosen} else stem
+            text = title.encode("utf-8", errors="backslashreplace").decode()
+            curve = CurveFile(path=name, scale=scale)
+            if curve in chosen.values():
+                raise InvalidInput("curve", name, "is given twice")
+            chosen[text] = curve
         else:
             raise InvalidInput("curve", name, f"must be a file or one of {', '.join(CURVES)}")
     if scale != 1.0 and not any(isinstance(curve, CurveFile) for curve in chosen.values()):

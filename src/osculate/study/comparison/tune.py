@@ -11,13 +11,15 @@ import numpy as np
 
 from osculate.control.tracking import PathTracker
 from osculate.curve import Curve
-from osculate.errors import InvalidInput, MissingExtra, require_kind
+from osculate.errors import InvalidInput, import_extra, require_kind
+from osculate.files import write_text
 from osculate.plant import Actuated
 from osculate.simulation import InitialState, Sampled, simulate_batch
 from osculate.simulation.size import require_callable, require_whole
 from osculate.strict_json import strict_json
 from osculate.study.comparison.arguments import require_named, require_speeds
 from osculate.study.comparison.compare import OFF_ROAD, PATIENCE
+from osculate.study.comparison.kept import Kept, key_of
 from osculate.study.comparison.suite import training_curves
 from osculate.target import Limits, plan_speed
 from osculate.vehicle import Tricycle
@@ -43,17 +45,21 @@ class Tuning:
     history: list[float]  # best cost of every generation
 
     def write(self, path: str | Path) -> Path:
-        """Write the controller and the history as JSON; its ``controller`` fits a scenario file."""
+        """Write the controller and the history as JSON; its ``controller`` fits a scenario file.
+
+        Raises:
+            InvalidInput: The file cannot be written.
+        """
         content = {
             "controller": self.controller.model_dump(mode="json"),
             "cost": self.cost,
             "initial_cost": self.initial_cost,
             "history": self.history,
         }
-        target = Path(path)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(strict_json(content, indent=2) + "\n", encoding="utf-8")
-        return target
+        try:
+            return write_text(path, strict_json(content, indent=2) + "\n")
+        except OSError as error:
+            raise InvalidInput("path", str(path), f"must be writable ({error})") from None
 
 
 def tune(
@@ -67,6 +73,7 @@ def tune(
     generations: int = 12,
     population: int = 10,
     seed: int = 1,
+    keep: Kept | str | Path | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Tuning:
     """Search the controller's tunable fields for the most exact tracking.
@@ -81,16 +88,15 @@ def tune(
         generations: Generations of the search.
         population: Controllers per generation; their runs share a batch.
         seed: Of the search: the same seed finds the same controller.
+        keep: Folder in which the costs of every generation are kept; those that are there already, made
+            by the same code from the same parts, are taken over, so that a search goes on where it ended.
         report: Called with the fraction that is done.
 
     Raises:
         InvalidInput: The controller has nothing to tune, or an argument that is empty or of another kind.
         MissingExtra: The optimiser is not installed.
     """
-    try:
-        import cma
-    except ImportError:
-        raise MissingExtra("tune", "cma") from None
+    cma = import_extra("cma", "tune", "cma")
     body, timing = Tricycle() if robot is None else robot, Sampled() if clock is None else clock
     require_kind("controller", controller, PathTracker)
     require_kind("robot", body, Tricycle)
@@ -101,7 +107,7 @@ def tune(
     require_speeds(speeds)
     _require_search(generations, population, seed, report)
     paths = list(require_named("on", on, Curve, training_curves).values())
-    task = _Task(controller, body, clock, _cells(paths, speeds, starts))
+    task = _Task(controller, body, clock, _cells(paths, speeds, starts), Kept.at(keep))
     low, high = (np.log([ranges[name][side] for name in ranges]) for side in (0, 1))
     begin = np.clip(np.log([getattr(controller, name) for name in ranges]), low, high)
     options = {"popsize": population, "seed": seed, "verbose": -9, "bounds": [0.0, 1.0]}
@@ -163,9 +169,14 @@ class _Task:
     """All training runs of any number of controllers."""
 
     def __init__(
-        self, law: PathTracker, robot: Tricycle, clock: Sampled | None, cells: list[Cell]
+        self,
+        law: PathTracker,
+        robot: Tricycle,
+        clock: Sampled | None,
+        cells: list[Cell],
+        kept: Kept | None,
     ) -> None:
-        self.law, self.robot, self.cells = law, robot, cells
+        self.law, self.robot, self.cells, self.kept = law, robot, cells, kept
         longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in cells)
         timing = clock or Sampled(period=0.01, delay=0.01)
         given = "duration" in timing.model_fields_set
@@ -177,7 +188,18 @@ class _Task:
         return self.law.but(**values)
 
     def costs(self, laws: list[PathTracker]) -> list[float]:
-        """Mean of log10 of the RMS (mm) over all training runs, for every controller."""
+        """Mean of log10 of the RMS (mm) over all training runs, for every controller; or what is kept."""
+        if self.kept is None:
+            return self._run(laws)
+        key = key_of(laws=laws, robot=self.robot, clock=self.clock, cells=self.cells)
+        found = self.kept.find(key)
+        if found:
+            return [float(cost) for cost in found["costs"]]
+        costs = self._run(laws)
+        self.kept.keep(key, {"costs": np.array(costs)})
+        return costs
+
+    def _run(self, laws: list[PathTracker]) -> list[float]:
         cells = [(law, *cell) for law in laws for cell in self.cells]
         batch = simulate_batch(
             [c[1] for c in cells],

@@ -1,11 +1,13 @@
 """Figures 3–7 in the paper's panels, with the error along the path and one time axis."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from osculate.folder import OutputFolder
 from osculate.simulation import Run
 from osculate.simulation.plot import BLUE, GREEN, GREY, ORANGE, RED, new_figure, readable, thinned
 from osculate.study.paper.cases import CASES, CURVE, DURATION, Runs
@@ -23,19 +25,25 @@ SEEN = 10.0  # m, beyond which a robot has left the picture
 
 
 def write_figures(
-    runs: Runs, output: Path, report: Callable[[float], None] | None = None
+    runs: Runs, output: OutputFolder, report: Callable[[float], None] | None = None
 ) -> list[Path]:
-    """Write ``figure1.png`` … ``figure7.png`` into ``output``; returns their paths."""
+    """Write ``figure1.png`` … ``figure7.png`` into ``output``; returns the paths of those written."""
+    draw: dict[int, Callable[[], Any]] = {
+        1: robot_drawing,
+        2: partial(task_drawing, runs["modified"]),
+    }
+    draw |= {number: partial(_errors_and_path, runs, names) for number, names in FIGURES.items()}
+    draw[7] = partial(_commands, runs["modified_d12"])
     paths = []
-    drawn = {1: robot_drawing(), 2: task_drawing(runs["modified"])}
-    drawn |= {number: _errors_and_path(runs, names) for number, names in FIGURES.items()}
-    drawn[7] = _commands(runs["modified_d12"])
-    for number, figure in drawn.items():
-        paths.append(output / f"figure{number}.png")
-        figure.savefig(paths[-1])
+    for done, (number, figure) in enumerate(draw.items(), 1):
+        paths.append(output.write(f"figure{number}.png", partial(_write, figure)))
         if report:
-            report(len(paths) / len(drawn))
-    return paths
+            report(done / len(draw))
+    return [path for path in paths if path is not None]
+
+
+def _write(figure: Callable[[], Any], path: Path) -> None:
+    figure().savefig(path)
 
 
 def _errors_and_path(runs: Runs, names: tuple[str, ...]) -> Any:

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from osculate.errors import InvalidInput
+from osculate.files import write_text
+from osculate.folder import OutputFolder
 from osculate.strict_json import strict_json
 from osculate.study.paper.cases import AS_MEANT, CURVE, ROBOT, STEP, Interpretation, run_cases
 from osculate.study.paper.claims import Claim, Evidence, claims
@@ -42,21 +43,16 @@ class Reproduction:
 
         Raises:
             InvalidInput: The folder cannot be made or written.
+            NotWritten: Some of the files could not be written; the others are there.
         """
         from osculate.study.paper.figures import write_figures
 
-        folder = Path(output)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            record = folder / "claims.json"
-            record.write_text(self._record() + "\n", encoding="utf-8")
+        record = self._record()
+        with OutputFolder(output, "reproduction") as folder:
+            folder.write("claims.json", lambda path: write_text(path, record + "\n"))
             figures = write_figures(self.evidence.runs, folder, report)
-            shown = folder / "paper.html"
-            shown.write_text(page(self, figures), encoding="utf-8")
-        except OSError as error:
-            message = f"must be a writable folder ({error})"
-            raise InvalidInput("output", str(folder), message) from None
-        return [shown, record, *figures]
+            folder.write("paper.html", lambda path: write_text(path, page(self, figures)))
+        return sorted(folder.written, key=lambda path: path.name != "paper.html")
 
     def _record(self) -> str:
         runs = self.evidence.runs

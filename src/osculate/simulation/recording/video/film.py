@@ -1,18 +1,18 @@
 """A run as a film: the stage, a camera that follows, words, and an encoder."""
 
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.errors import InvalidInput, MissingExtra
+from osculate.errors import InvalidInput, import_extra
+from osculate.files import complete_file
 from osculate.simulation.recording.video.camera import aim, shots
 from osculate.simulation.recording.video.caption import Caption
-from osculate.simulation.recording.video.opengl import Screen
+from osculate.simulation.recording.video.opengl import Screen, load_mujoco, offscreen
 from osculate.simulation.recording.video.stage import Frame, Stage, moments
 
 if TYPE_CHECKING:
@@ -57,11 +57,10 @@ def write_video(
     drawn = (round(FINER * size[0]), round(FINER * size[1]))
     stage, frames = Stage(run, drawn), moments(run, fps)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with Screen(stage.model, drawn) as screen:
+        with complete_file(target) as temporary, Screen(stage.model, drawn) as screen:
             pictures = _pictures(stage, screen, frames, fps, Caption(size, run.verdict))
             WRITERS[target.suffix](
-                _counted(pictures, len(frames), report), target, fps, len(frames)
+                _counted(pictures, len(frames), report), temporary, fps, len(frames)
             )
     except OSError as error:
         raise InvalidInput("path", str(path), f"must be writable ({error})") from None
@@ -69,14 +68,20 @@ def write_video(
 
 
 def check_video(path: str | Path) -> Path:
-    """The path of a film, if its ending is known.
+    """The path of a film, if its ending is known and all that makes films is there.
 
     Raises:
         InvalidInput: Another ending.
+        MissingExtra: MuJoCo or the encoder is not installed.
+        OsculateError: OpenGL does not work; says what to install.
     """
     target = Path(path)
     if target.suffix not in WRITERS:
         raise InvalidInput("path", str(path), f"must end in {' or '.join(WRITERS)}")
+    if target.suffix == ".mp4":
+        import_extra("av", "video", "av")
+    load_mujoco()
+    offscreen(64, 64).free()
     return target
 
 
@@ -101,10 +106,7 @@ def _counted(pictures: Iterator[Picture], count: int, report: Report | None) -> 
 
 
 def _write_mp4(pictures: Iterator[Picture], path: Path, fps: int, count: int) -> None:
-    try:
-        av: Any = import_module("av")
-    except ImportError:
-        raise MissingExtra("video", "av") from None
+    av = import_extra("av", "video", "av")
     first = next(pictures)
     with av.open(str(path), "w", options={"movflags": "faststart"}) as film:
         stream = film.add_stream("libx264", rate=fps, options={"crf": "20", "preset": "veryfast"})
