@@ -35,8 +35,8 @@ def require_effect(setup: Setup) -> None:
     """Refuse what would change nothing.
 
     Raises:
-        InvalidInput: A yaw rate at the start, or a yaw acceleration, where the steering decides it. Says
-            what to change.
+        InvalidInput: A yaw rate at the start, or a yaw acceleration, where the steering decides it; a
+            heading of a target where there is none. Says what to change.
     """
     plant, initial = setup.plant, setup.initial
     kind = type(plant).__name__
@@ -45,6 +45,9 @@ def require_effect(setup: Setup) -> None:
             f"follows from speed and steering on the plant {kind}; must be 0, set initial.speed"
         )
         raise InvalidInput("initial.yaw_rate", initial.yaw_rate, message)
+    if initial.target_heading is not None and isinstance(setup.controller, PathTracker):
+        message = "is of a target, which a path tracker has not; leave it out"
+        raise InvalidInput("initial.target_heading", initial.target_heading, message)
     if "yaw_acceleration" not in plant.feels:
         for name in YAWING:
             value = getattr(setup.disturbance, name)
