@@ -118,7 +118,7 @@ def test_a_diverging_run_stops_and_keeps_what_it_had():
         CURVE, target=Static(profile=Natural()), disturbance=Disturbance.internal(20, 20)
     )
     assert run.diverged
-    assert "it then diverged after t = " in run.message
+    assert run.message.startswith("diverged after t = ")
     assert all(np.isfinite(values).all() for values in run.columns.values())
     assert run.metrics.duration == pytest.approx(run.columns["time"][-1])
     assert len(run.columns["time"]) > 500
