@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from osculate import InvalidInput, NotWritten, Scenario
+from osculate import InvalidInput, NoSolution, NotWritten, Scenario
 from osculate.folder import MARK
-from osculate.study.output import write_output
+from osculate.simulation.verdict import infeasible
+from osculate.study.output import write_output, write_refusal
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +131,24 @@ def test_a_scenario_that_lies_in_its_own_output_is_never_missing(
 
     monkeypatch.setattr(Path, "replace", look)
     write_output(run, tmp_path, scenario, also=[tmp_path / "own.nc"])
+
+
+def test_a_refusal_takes_the_place_of_an_earlier_run(run, scenario, tmp_path, monkeypatch):
+    verdict = infeasible(NoSolution("<the turn> is too tight"))
+    write_output(run, tmp_path, scenario)
+    (tmp_path / "own.txt").write_text("mine", encoding="utf-8")
+    assert write_refusal(verdict, tmp_path, scenario) == tmp_path / "report.html"
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "report.html", "metrics.json", "scenario.json", ".osculate.json", "own.txt",
+    }  # fmt: skip
+    found = json.loads((tmp_path / "metrics.json").read_text(encoding="utf-8"))
+    assert found == {"verdict": verdict.as_dict()}
+    assert "&lt;the turn&gt; is too tight" in (tmp_path / "report.html").read_text("utf-8")
+
+    def fail(*_):
+        raise OSError("no space")
+
+    monkeypatch.setattr("osculate.study.report.write_text", fail)
+    with pytest.raises(NotWritten, match=r"report.html is missing \(no space\)"):
+        write_refusal(verdict, tmp_path, scenario)
+    assert (tmp_path / MARK).exists()

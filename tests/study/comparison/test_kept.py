@@ -1,10 +1,13 @@
 """Finished work is kept: found again when everything that decides its numbers is equal, and only then."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -14,6 +17,7 @@ from hypothesis import strategies as st
 
 from osculate import (
     CurveFile,
+    InvalidInput,
     Limits,
     MissingExtra,
     Nmpc,
@@ -26,7 +30,9 @@ from osculate import (
     vehicle_named,
 )
 from osculate.control.tracking.baselines import PurePursuit as Base
+from osculate.simulation import Verdict, VerdictKind
 from osculate.study.comparison import kept as keeping
+from osculate.study.comparison.compare import Trace, _packed, _unpacked
 from osculate.study.comparison.kept import Kept, key_of
 from osculate.study.comparison.suite import conditions, curves, starts, training_curves
 
@@ -68,6 +74,28 @@ def test_what_is_kept_is_taken_over_bit_for_bit(whole, tmp_path):
     work = {**WORK, "controllers": {"renamed": PurePursuit(), "third": PurePursuit(lookahead=0.6)}}
     compare(**work, keep=more)
     assert (more.taken, more.made) == (2, 2)
+
+
+@given(
+    st.sampled_from([VerdictKind.HIT, VerdictKind.REACHED, VerdictKind.DIVERGED]),
+    st.none() | st.floats(),
+    st.none() | st.integers(1, 9),
+    st.sampled_from(["", "slid", "é − ∞"]),
+)
+def test_a_kept_run_has_its_metrics_and_its_verdict(kind, number, obstacle, words):
+    verdict = Verdict(
+        kind, f"went: {words}", number, x=1 / 3, time=number, reason=words, obstacle=obstacle
+    )
+    metrics = {"cross_track_rms": number, "energy": np.float64(0.1), "ended": np.str_("path end")}
+    kept = Kept(Path(tempfile.mkdtemp()))
+    kept.keep(KEY, _packed((metrics, verdict, Trace(*np.eye(4)))))
+    values, found, trace = _unpacked(kept.find(KEY))
+    shutil.rmtree(kept.folder)
+    assert repr(found) == repr(verdict)  # NaN is as it was
+    assert found.kind is kind
+    assert repr(values.get("cross_track_rms")) == repr(number)
+    assert (values["energy"], values["ended"]) == (0.1, "path end")
+    assert np.array_equal(trace, np.eye(4))
 
 
 KEY = "0123456789abcdef" * 4
@@ -228,3 +256,5 @@ def test_files_of_one_name_are_two_curves(tmp_path):
             (tmp_path / folder / name).write_text("0,0\n1,0\n2,0\n")
     files = [str(tmp_path / name) for name in ("a/track.csv", "b/track.csv", "a/slalom.csv")]
     assert [*curves(["slalom", *files])] == ["slalom", "track", *files[1:]]
+    with pytest.raises(InvalidInput, match="is given twice"):
+        curves([*files, files[0]])
