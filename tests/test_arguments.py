@@ -51,7 +51,9 @@ def arguments(function):
     [(f, a) for f in CALLS for a in arguments(f)],
     ids=lambda x: getattr(x, "__name__", x),
 )
-@pytest.mark.parametrize("wrong", [object(), "nonsense", -7, math.nan], ids=repr)
+@pytest.mark.parametrize(
+    "wrong", [object(), "nonsense", -7, math.nan], ids=lambda x: type(x).__name__
+)
 def test_an_argument_of_the_wrong_kind_is_refused_by_its_name(function, argument, wrong):
     if function is tune:
         pytest.importorskip("cma")
