@@ -35,12 +35,12 @@ def tell_path(label: str, path: str | Path) -> None:
 
 def tell_error(error: object) -> None:
     """Print an error."""
-    err.print(Text.assemble(("error:", "bold red"), " ", shown(error)))
+    err.print(Text.assemble(("error:", "bold red"), " ", shown(error)), soft_wrap=True)
 
 
 def tell_warning(message: object) -> None:
     """Print a warning."""
-    err.print(Text.assemble(("warning:", "bold yellow"), " ", shown(message)))
+    err.print(Text.assemble(("warning:", "bold yellow"), " ", shown(message)), soft_wrap=True)
 
 
 def tell_verdict(verdict: object, console: Console, *, good: bool) -> None:
