@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench tables fuzz mutants format clean
+.PHONY: demo test check check-minimum check-python docs bench tables fuzz mutants format clean
 
 demo: $(VENV)/.run
 	$(BIN)/osculate run --output demo
@@ -19,6 +19,18 @@ check: $(VENV)/.dev
 	$(BIN)/lint-imports
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet --site-dir site
 	$(MAKE) test
+
+# The tests marked "core" with the lowest versions that pyproject.toml admits. What lies beside them may
+# be newer and deprecate what they do.
+check-minimum: .venv-minimum/.test
+	OSCULATE_CACHE_DIR=.venv-minimum/osculate .venv-minimum/bin/python -m pytest -m core \
+	  -W ignore::DeprecationWarning -W ignore::PendingDeprecationWarning
+
+# The same tests with another Python: make check-python PYTHON=python3.13
+PYTHON ?= python3.13
+OTHER := .venv-$(notdir $(PYTHON))
+check-python: $(OTHER)/.test
+	OSCULATE_CACHE_DIR=$(OTHER)/osculate $(OTHER)/bin/python -m pytest -m core
 
 docs: $(VENV)/.dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --site-dir site
@@ -42,7 +54,7 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) demo site .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
+	rm -rf $(VENV) .venv-* demo site .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 
 $(VENV)/.made:
 	@bash scripts/make-venv.sh $(VENV)
@@ -59,4 +71,16 @@ $(VENV)/.test: $(VENV)/.run
 
 $(VENV)/.dev: $(VENV)/.test
 	$(PIP) -e '.[test,docs,dev]'
+	@touch $@
+
+.venv-minimum/.test: pyproject.toml scripts/minimum.py
+	@bash scripts/make-venv.sh .venv-minimum python3.11 python3.12 python3.13
+	.venv-minimum/bin/python scripts/minimum.py test > .venv-minimum/constraints.txt
+	.venv-minimum/bin/python -m pip install --quiet --disable-pip-version-check \
+	  -c .venv-minimum/constraints.txt -e '.[test]'
+	@touch $@
+
+$(OTHER)/.test: pyproject.toml constraints.txt
+	@bash scripts/make-venv.sh $(OTHER) $(PYTHON)
+	$(OTHER)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	@touch $@

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Make a virtual environment with the newest suitable Python on this machine.
+# Make a virtual environment with the first suitable Python of those named, by default the newest.
 set -euo pipefail
 folder=$1
-for name in python3.13 python3.12 python3.11 python3 python; do
+shift
+[ $# -gt 0 ] || set -- python3.13 python3.12 python3.11 python3 python
+for name in "$@"; do
   if command -v "$name" > /dev/null &&
     "$name" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2> /dev/null; then
     python=$name
@@ -10,7 +12,7 @@ for name in python3.13 python3.12 python3.11 python3 python; do
   fi
 done
 if [ -z "${python:-}" ]; then
-  echo "osculate needs Python 3.11, 3.12 or 3.13; none was found on this machine." >&2
+  echo "osculate needs Python 3.11, 3.12 or 3.13; none was found on this machine (tried $*)." >&2
   exit 1
 fi
 if ! "$python" -m venv "$folder" > /dev/null 2>&1; then

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.core
+
 ROOT = Path(__file__).parent.parent
 NAMES = Path(__file__).with_name("public_names.txt")
 MODULES = (

@@ -24,6 +24,7 @@ def osculate(*arguments, code=0, **environment):
     return done
 
 
+@pytest.mark.core
 def test_run_prints_the_metrics_and_where_the_report_lies(tmp_path):
     done = osculate("run", "--output", tmp_path)
     for label in (
@@ -74,8 +75,8 @@ def test_a_diverging_run_is_reported_and_written(tmp_path):
         "disturbance: {heading_feedback: 20, yaw_rate_feedback: 20}\n",
         encoding="utf-8",
     )
-    done = osculate("run", path, "--output", tmp_path / "out", code=15)
-    assert "diverged after t =" in done.stdout
+    done = osculate("run", path, "--output", tmp_path / "out", code=13)
+    assert done.stdout.startswith("diverged: diverged after t =")
     assert json.loads((tmp_path / "out" / "metrics.json").read_text())["ended"] == "diverged"
     assert (tmp_path / "out" / "report.html").is_file()
 
@@ -85,11 +86,19 @@ def test_scenarios_and_model_are_listed():
     assert r"\dot{v} = " in osculate("model").stdout
 
 
-def test_paper_prints_every_verdict(tmp_path):
-    done = osculate("paper", "--output", tmp_path)
+def test_paper_prints_every_judgement(tmp_path):
+    done = osculate(
+        "paper", "--output", tmp_path, "--yaw-origin", "printed", "--after-end", "continue"
+    )
     assert "does not hold" in done.stdout
     assert "holds only if" in done.stdout
-    assert len(json.loads((tmp_path / "claims.json").read_text())) >= 20
+    record = json.loads((tmp_path / "claims.json").read_text())
+    assert len(record["claims"]) >= 40
+    assert record["provenance"]["after_end"] == "continue"
+    ends = {row["name"]: row["ending"] for row in record["experiments"]}
+    assert ends["modified_d12"].startswith("ended after its duration of 20.000 s")
+    bad = osculate("paper", "--yaw-origin", "zero", code=2)
+    assert "yaw_origin = 'zero': must be one of start, printed" in bad.stderr.replace("\n", " ")
 
 
 def test_help_and_no_arguments():

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from curve.laws import check_frenet
 from osculate import Cycloid, InvalidInput, NoSolution
 
+pytestmark = pytest.mark.core
+
 
 def test_the_papers_numbers():
     curve = Cycloid.over(distance=10, height=5, margin=1)

@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from osculate.kernel import maths
 from uncompiled import run_uncompiled
 
+pytestmark = pytest.mark.core
+
 mpmath.mp.prec = 200
 angles = st.floats(-1e5, 1e5)
 

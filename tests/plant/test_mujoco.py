@@ -59,6 +59,7 @@ def both(robot, start, command, seconds):
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+@pytest.mark.core
 def test_straight_ahead_the_torques_accelerate_as_ours_do(robot):
     push = 0.9 * robot.actuators.torque_limit
     start = Start(0.0, 0.0, 0.4, 0.0, 0.0, 0.0)

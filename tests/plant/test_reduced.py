@@ -12,6 +12,8 @@ from osculate.plant import Push
 from osculate.plant.disturbance import DisturbanceMemory, disturb, perceive
 from osculate.vehicle import Command, Motion
 
+pytestmark = pytest.mark.core
+
 ROBOT = Tricycle()
 START = InitialState(speed=1.0).on(Cycloid.over())
 STILL = Push(0.0, 0.0, 0.0)

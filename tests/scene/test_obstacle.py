@@ -5,6 +5,8 @@ import pytest
 
 from osculate import Block, Disc, InvalidInput, Scene, Wall
 
+pytestmark = pytest.mark.core
+
 SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
 
 

@@ -149,7 +149,6 @@ def end_of(name, n):
         ("clock", {"clock": [CLOCK, CLOCK.but(delay=0.02)], "controller": CurvatureTracker()}),
         ("sensors", {"sensors": [None, Sensors()], **TRACKER}),
         ("safety", {"safety": [None, Safety()], **TRACKER}),
-        ("scene", {"scene": None, "runs": 2}),
     ],
 )  # fmt: skip
 def test_what_cannot_share_machine_code_is_refused_by_its_name(field, parts):

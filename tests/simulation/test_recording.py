@@ -5,6 +5,8 @@ import pytest
 
 from osculate import Continuous, Cycloid, InvalidInput, MissingExtra, Scene, Wall, simulate
 
+pytestmark = pytest.mark.core
+
 pytest.importorskip("mcap_ros2")
 pytest.importorskip("rosbags")
 

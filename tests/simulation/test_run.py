@@ -42,6 +42,7 @@ def nominal():
     return simulate(CURVE, Tricycle(), scene=Scene(obstacles=(Wall(),)))
 
 
+@pytest.mark.core
 def test_the_nominal_run_is_exact_to_the_integrator(nominal):
     assert nominal.metrics.cross_track_rms < 1e-8
     assert nominal.metrics.ended == "time"
@@ -117,7 +118,7 @@ def test_a_diverging_run_stops_and_keeps_what_it_had():
         CURVE, target=Static(profile=Natural()), disturbance=Disturbance.internal(20, 20)
     )
     assert run.diverged
-    assert "it then diverged after t = " in run.message
+    assert run.message.startswith("diverged after t = ")
     assert all(np.isfinite(values).all() for values in run.columns.values())
     assert run.metrics.duration == pytest.approx(run.columns["time"][-1])
     assert len(run.columns["time"]) > 500
@@ -215,6 +216,7 @@ def test_the_data_are_labelled(nominal):
     assert json.loads(data.attrs["setup"])["curve"]["kind"] == "cycloid"
 
 
+@pytest.mark.core
 def test_netcdf_round_trip(nominal, tmp_path):
     import xarray
 
@@ -226,10 +228,12 @@ def test_netcdf_round_trip(nominal, tmp_path):
         assert (data.time.values == nominal.columns["time"]).all()
 
 
+@pytest.mark.core
 def test_the_overview_has_all_panels(nominal):
     figure = nominal.plot()
-    assert [ax.get_title() for ax in figure.axes] == [
-        "Path",
+    path, *series = figure.axes
+    assert path.get_title(loc="left").replace("\n", " ") == f"✓ {nominal.verdict}"
+    assert [ax.get_title() for ax in series] == [
         "Speeds",
         "Cross-track error",
         "Steering angle",

@@ -74,10 +74,11 @@ times = st.floats(0.0, 10.0)
     st.sampled_from([NOTHING, LEFT, REVERSED, SPUN]),
     times,
     st.none() | times,
+    st.booleans(),
 )
-def test_the_first_in_time_counts_and_the_end_is_told(code, kind, when, touched):
+def test_the_first_in_time_counts_and_the_end_is_told(code, kind, when, touched, slid):
     stop = 4.0 if code == STOPPED else 0.0
-    outcome = but(code=code, stop=stop, first=Event(kind, when, 2.0, 2.5, 0.5, 0.0))
+    outcome = but(code=code, stop=stop, first=Event(kind, when, 2.0, 2.5, 0.5, float(slid)))
     hit = None if touched is None else Hit(3, "disc", 0.125, touched, 4.0, 4.5, 0.25)
     verdict = judge(outcome, hit)
     ending = {RUNNING: "reached", FINISHED: "reached", DIVERGED: "diverged", STOPPED: "stopped"}
@@ -86,8 +87,13 @@ def test_the_first_in_time_counts_and_the_end_is_told(code, kind, when, touched)
         assert (verdict.obstacle, verdict.penetration, verdict.x) == (3, 0.125, 4.5)
         assert "obstacle 3 (disc)" in verdict.sentence
         assert "125 mm deep" in verdict.sentence
+    elif kind != NOTHING and code == DIVERGED and not slid:
+        assert (verdict.kind, verdict.time, verdict.place) == ("diverged", 10.0, 8.0)
+        assert "; before that it " in verdict.sentence
+        assert "(2.500, 0.500) m" in verdict.sentence
     elif kind != NOTHING:
         assert (verdict.kind, verdict.time, verdict.place) == (KINDS[kind], when, 2.0)
+        assert ("slid" in verdict.sentence, verdict.reason == "slid") == (slid, slid)
         assert "(2.500, 0.500) m" in verdict.sentence
     else:
         assert (verdict.kind, verdict.time, verdict.place) == (ending[code], 10.0, 8.0)
@@ -229,9 +235,9 @@ def test_the_papers_laws_leave_and_arrive():
     run = simulate(CURVE, disturbance=Disturbance.internal(5, 5), **parts)
     off, v = np.abs(run.columns["cross_track_error"]), run.verdict
     n = int(np.flatnonzero(off >= 1.0)[0])
-    assert (v.kind, v.time, v.place) == ("left", run.columns["time"][n], run.columns["foot"][n])
-    assert "left the path by 1 m" in v.sentence
-    assert "it then diverged" in v.sentence
+    assert (v.kind, v.time) == ("diverged", run.columns["time"][-1])
+    told = f"before that it left the path by 1 m at t = {run.columns['time'][n]:.3f} s"
+    assert told in v.sentence
 
 
 SLALOM = Spline(points=((0, 0), (1.5, 0.5), (3, 0), (4.5, -0.5), (6, 0)))
@@ -258,9 +264,9 @@ def test_trackers_of_all_robots(name):
     assert back.kind == "reversed"
     wild = verdict(faults=(Shove(time=0.1, along=1e9),))
     assert wild.kind == "diverged"
-    aside = {"initial": InitialState(heading_error=0.6), "scene": Scene(corridor=0.05)}
+    aside = {"initial": InitialState(heading_error=0.6), "scene": Scene(corridor=0.03)}
     assert verdict(**aside).kind == "left"
-    assert "corridor of 0.05 m to each side" in verdict(**aside).sentence
+    assert "corridor of 0.03 m to each side" in verdict(**aside).sentence
     later = verdict(initial=InitialState(heading_error=0.6, settled=5.0), scene=aside["scene"])
     assert later.time > verdict(**aside).time
 

@@ -22,6 +22,8 @@ from osculate.study.scenario import AnyController, built_in
 
 CONTROLLERS = TypeAdapter(AnyController).json_schema()["discriminator"]["mapping"]
 
+pytestmark = pytest.mark.core
+
 
 def write(folder, text):
     path = folder / "mine.yaml"

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from osculate import Cycloid, Exponential, InvalidInput, Natural, Parametric, SampledProfile
 from osculate.kernel import Tables
 
+pytestmark = pytest.mark.core
+
 CURVE = Cycloid.over()
 
 

@@ -24,6 +24,8 @@ from osculate.target import TargetMemory
 from osculate.target.profile import Pace
 from osculate.vehicle import Motion
 
+pytestmark = pytest.mark.core
+
 CURVE = Cycloid.over()
 WAVE = Parametric(x="p", y="sin(p)", end=6.0)
 

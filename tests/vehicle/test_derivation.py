@@ -7,6 +7,8 @@ import sympy as sp
 from osculate.vehicle import Tricycle, derivation
 from osculate.vehicle.derivation import derive, rod_inertia, steering_coefficient
 
+pytestmark = pytest.mark.core
+
 
 @pytest.fixture(scope="module")
 def derived():

@@ -178,21 +178,31 @@ def paper(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for claims, figures and data.")
     ] = Path("paper"),
+    yaw_origin: Annotated[
+        str,
+        typer.Option(
+            help="Where the target's heading begins: start (as the robot) or printed (0)."
+        ),
+    ] = "start",
+    after_end: Annotated[
+        str, typer.Option(help="What happens at the end of the path: stop or continue (to 20 s).")
+    ] = "stop",
 ) -> None:
-    """Reproduce the paper: Figures 3-7, and a verdict on every number and claim."""
+    """Reproduce the paper: Figures 1-7, and a judgement on every number and statement."""
     from osculate.files import check_folder
-    from osculate.study.paper import reproduce
+    from osculate.study.paper import Interpretation, reproduce
 
+    chosen = Interpretation.checked(yaw_origin, after_end)
     check_folder("output", output)
     with progress("reproducing") as report:
-        result = reproduce(report=report)
+        result = reproduce(chosen, report=report)
     with progress("writing") as report:
         written = result.write(output, report)
-    table = Table("statement", "source", "paper", "ours", "verdict", header_style="bold")
+    table = Table("statement", "source", "paper", "ours", "judgement", header_style="bold")
     for row in result.rows:
-        colour = {"holds": "green", "does not hold": "red"}.get(row.verdict, "yellow")
+        colour = {"holds": "green", "does not hold": "red"}.get(row.judgement, "yellow")
         texts = (row.statement, row.source, row.expected_text, row.measured_text)
-        table.add_row(*map(Text, texts), Text(row.verdict, colour))
+        table.add_row(*map(Text, texts), Text(row.judgement, colour))
     out.print(table)
     tell_path(f"Written: {len(written)} files in", output)
 

@@ -21,7 +21,7 @@ from osculate.control.tracking.external import ExternalTracker
 from osculate.curve.contract import Curve
 from osculate.errors import InvalidInput, require_kind
 from osculate.kernel import Tables, compose, leaves, rebuild, zeros
-from osculate.target.speed import Begin, Limits
+from osculate.target.speed import RESTING, Begin, Limits
 from osculate.vehicle.measurement import NO_FIX, Fix, Measurement
 from osculate.vehicle.motion import Command, Motion
 from osculate.vehicle.tricycle import Tricycle
@@ -60,7 +60,7 @@ class Stepper:
     Raises:
         InvalidInput: A period that is not positive, a delay that is not a multiple of it, a motion that is
             not finite, a place that is not on the curve, or a part of another kind.
-        NoSolution: The robot cannot follow the curve, or moves too fast where it is.
+        NoSolution: The robot cannot follow the curve, or moves too fast at its start.
     """
 
     def __init__(
@@ -88,15 +88,15 @@ class Stepper:
             raise InvalidInput(
                 "law", type(law).__name__, "decides in Python itself; call its decider"
             )
+        _require_start(motion, progress, curve.length)
         tables = Tables()
         task = (curve, robot, limits, period, slots)
         foreseen, ceiling = foresee(safety, *task)
-        begin = Begin(progress, 0.0 if motion is None else motion.speed)
+        begin = RESTING if motion is None or progress > 0.0 else Begin(0.0, motion.speed)
         self._road, self.plan = survey(*task, tables, ceiling, begin)
         self._law, self._curve, self._estimator, self._safety = law, curve, estimator, safety
         self.caution = foreseen.caution(self.plan) if foreseen else None
         self.length, self.table = curve.length, self._road.curve
-        _require_start(motion, progress, self.length)
         part = self._part(motion, progress)
         self._like: Any = part.memory
         shape = {"LIKE": zeros(part.memory), "LIKE_PARAMETERS": zeros(part.parameters)}

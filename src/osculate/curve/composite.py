@@ -22,8 +22,28 @@ def as_curve(value: Any) -> Curve:
     return parse_curve(value)
 
 
+#: Largest jumps that rounded numbers make; at a larger one no robot stays on the curve.
+FOLLOWABLE = {"position_jump": 0.01, "heading_jump": 0.01, "curvature_jump": 0.05}
+
+
+def require_followable(field: str, jump: float) -> None:
+    """Refuse to allow a jump that no steering follows.
+
+    Raises:
+        InvalidInput: Says what to do about a larger one.
+    """
+    most = FOLLOWABLE[field]
+    if jump > most:
+        raise InvalidInput(
+            field, jump, f"must be at most {most:g}: no robot follows a larger jump; join the pieces by a "
+            "clothoid, or take points and a tolerance that rounds it",
+        )  # fmt: skip
+
+
 class Composite(Curve):
     """Curves joined end to start, checked for jumps of position, heading and curvature.
+
+    The jumps that may be allowed are those of rounded numbers, at most 1 cm, 0.01 rad and 0.05 1/m.
 
     Raises:
         InvalidInput: A join is not smooth enough; says which one, where and how much it jumps.
@@ -44,6 +64,8 @@ class Composite(Curve):
 
     @model_validator(mode="after")
     def _joined(self) -> Self:
+        for name in FOLLOWABLE:
+            require_followable(name, getattr(self, name))
         place = 0.0
         for n, (before, after) in enumerate(pairwise(self.pieces)):
             place += before.length
@@ -107,8 +129,15 @@ class Laps(Curve):
 
     @model_validator(mode="after")
     def _closed(self) -> Self:
-        if not self.track.closed:
-            raise InvalidInput("track", type(self.track).__name__, "must be a closed curve")
+        track = self.track
+        if not track.closed:
+            ends = track.at(np.array([0.0, track.length]))
+            gap = float(np.hypot(*np.diff([ends.x, ends.y])[:, 0]))
+            raise InvalidInput(
+                "track", type(track).__name__, f"must be a closed curve; its end is {gap:.4g} m from its "
+                "start and does not lead into it (loop: true closes a spline or a file)",
+            )  # fmt: skip
+        check_join(track, track, "track", track.length, (1e-6 * max(1.0, track.length), 1e-6, 1e-4))
         return self
 
     @property

@@ -57,6 +57,34 @@ class World:
                 raise InvalidInput("faults", fault, message)
         return replace(self, plant=self.plant.but(**fields))
 
+    def with_outage(self, fault: "Fault", sensor: str, outage: Outage) -> "World":
+        """The world with one more time in which a sensor is silent.
+
+        Raises:
+            InvalidInput: It was silent before, and heard in between.
+        """
+        before: Outage = getattr(self.outages, sensor)
+        if before != SILENT:
+            if max(before.begin, outage.begin) > min(before.end, outage.end):
+                message = "one sensor falls silent once; these times must overlap or touch"
+                raise InvalidInput("faults", fault, message)
+            outage = Outage(min(before.begin, outage.begin), max(before.end, outage.end))
+        return replace(self, outages=self.outages._replace(**{sensor: outage}))
+
+    def with_weak_motor(self, fault: "Fault", side: str, begin: float, strength: float) -> "World":
+        """The world with a motor that is weaker still; losses at one time multiply.
+
+        Raises:
+            InvalidInput: It is weakened at another time already.
+        """
+        earlier = getattr(self.impairment, f"{side}_begin")
+        if earlier not in (math.inf, begin):
+            message = f"the {side} motor weakens at {earlier:g} s already; must be at the same time"
+            raise InvalidInput("faults", fault, message)
+        left = strength * getattr(self.impairment, f"{side}_strength")
+        fields = {f"{side}_begin": begin, f"{side}_strength": left}
+        return replace(self, impairment=self.impairment._replace(**fields))
+
     def with_blow(self, fault: "Fault", blow: Blow) -> "World":
         """The world with one more push, which gets random numbers of its own.
 
@@ -235,8 +263,7 @@ class SensorLoss(Fault):
     def on(self, world: World) -> World:
         """See `Fault.on`."""
         end = math.inf if self.duration is None else self.time + self.duration
-        outages = world.outages._replace(**{self.sensor: Outage(self.time, end)})
-        return replace(world, outages=outages)
+        return world.with_outage(self, self.sensor, Outage(self.time, end))
 
 
 class WeakMotor(Fault):
@@ -249,8 +276,7 @@ class WeakMotor(Fault):
 
     def on(self, world: World) -> World:
         """See `Fault.on`."""
-        fields = {f"{self.side}_begin": self.time, f"{self.side}_strength": self.strength}
-        return replace(world, impairment=world.impairment._replace(**fields))
+        return world.with_weak_motor(self, self.side, self.time, self.strength)
 
 
 class StuckSteering(Fault):

@@ -114,7 +114,8 @@ def simulate_batch(
     given = {"curve": curve, **({} if robot is None else {"robot": robot}), **parts}
     varied = {name: _numbers(name, values) for name, values in (vary or {}).items()}
     count = _count(runs, given, varied)
-    around = scene or Scene()
+    around = Scene() if scene is None else scene
+    require_kind("scene", around, Scene)
     setups = _setups(given, count)
     loops = [in_corridor(loop, around) for loop in close_alike(setups)]
     scenes = [scene_of(s, k.setup, around) for s, k in zip(setups, loops, strict=True)]

@@ -1,5 +1,8 @@
 """What is given acts, or is refused: parts that the plant of a setup cannot do anything with."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from osculate.control.tracking import PathTracker
 from osculate.errors import InvalidInput
 from osculate.simulation.loop import Setup
@@ -14,14 +17,27 @@ YAWING = (
 )  # parts of a disturbance on the yaw acceleration
 
 
+def require_read(given: Mapping[str, Any]) -> None:
+    """Refuse a part that the law never reads.
+
+    Args:
+        given: The parts that were given, by name.
+
+    Raises:
+        InvalidInput: A target for a path tracker, limits for a law that follows a target.
+    """
+    unread = "target" if isinstance(given.get("controller"), PathTracker) else "limits"
+    if unread in given:
+        raise InvalidInput(unread, given[unread], READ[unread])
+
+
 def require_effect(setup: Setup) -> None:
     """Refuse what would change nothing.
 
     Raises:
-        InvalidInput: A target for a path tracker, limits for a law that follows a target; a yaw rate at the
-            start, or a yaw acceleration, where the steering decides it. Says what to change.
+        InvalidInput: A yaw rate at the start, or a yaw acceleration, where the steering decides it; a
+            heading of a target where there is none. Says what to change.
     """
-    _require_read(setup)
     plant, initial = setup.plant, setup.initial
     kind = type(plant).__name__
     if initial.yaw_rate != 0.0 and not plant.starts_turning:
@@ -29,17 +45,12 @@ def require_effect(setup: Setup) -> None:
             f"follows from speed and steering on the plant {kind}; must be 0, set initial.speed"
         )
         raise InvalidInput("initial.yaw_rate", initial.yaw_rate, message)
+    if initial.target_heading is not None and isinstance(setup.controller, PathTracker):
+        message = "is of a target, which a path tracker has not; leave it out"
+        raise InvalidInput("initial.target_heading", initial.target_heading, message)
     if "yaw_acceleration" not in plant.feels:
         for name in YAWING:
             value = getattr(setup.disturbance, name)
             if value != 0.0:
                 message = f"steering alone turns the plant {kind}; must be 0, or plant Slip(...)"
                 raise InvalidInput(f"disturbance.{name}", value, message)
-
-
-def _require_read(setup: Setup) -> None:
-    """Refuse speeds that the law never reads, unless they are those that everybody has."""
-    name = "target" if isinstance(setup.controller, PathTracker) else "limits"
-    value = getattr(setup, name)
-    if value != Setup._field_defaults[name]:
-        raise InvalidInput(name, value, READ[name])

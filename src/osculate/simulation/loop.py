@@ -95,6 +95,11 @@ class InitialState(Spec):
     approach: bool = quantity(
         "1", "whether a tracker may plan a way onto the curve from a start far off it", default=True
     )
+    target_heading: float | None = quantity(
+        "rad",
+        "heading at which a target begins to integrate, θ̂(0); by default the curve's",
+        default=None,
+    )
     settled: float = quantity(
         "m", "errors count from this arc length on: not while the start is made good", default=0.0
     )
@@ -103,13 +108,19 @@ class InitialState(Spec):
         """The initial state in the map frame.
 
         Raises:
-            InvalidInput: A start beyond the end of the curve.
+            InvalidInput: A start, or the place from which errors count, beyond the end of the curve.
         """
         if self.arc_length >= curve.length:
             raise InvalidInput(
                 "initial.arc_length",
                 self.arc_length,
                 f"must be below the curve's length of {curve.length:.6g} m",
+            )
+        if self.settled >= curve.length:
+            raise InvalidInput(
+                "initial.settled",
+                self.settled,
+                f"must be below the curve's length of {curve.length:.6g} m: no error would count",
             )
         point = curve.at(self.arc_length)
         heading = float(point.heading)
@@ -430,11 +441,11 @@ def _assemble(
         **law,
     )
     rest = Command(float(np.arctan(setup.robot.wheelbase * start.curvature)), 0.0, 0.0, 0.0)
-    place = setup.initial.arc_length
+    place, heading = setup.initial.arc_length, setup.initial.target_heading
     state = State(
         plant.state,
         DisturbanceMemory(0.0),
-        TargetMemory(place, float(setup.curve.at(place).heading)),
+        TargetMemory(place, float(setup.curve.at(place).heading) if heading is None else heading),
         Nothing() if sampled else control.memory,
     )
     insight: Any = Nothing()

@@ -17,7 +17,7 @@ from osculate.plant import Actuated, Disturbance, Fault, Late, Mujoco, Plant, Se
 from osculate.scene import Scene
 from osculate.simulation.blocks import Report, final_run, last_row, run_block, single_block
 from osculate.simulation.clock import Clock, Sampled
-from osculate.simulation.effects import require_effect
+from osculate.simulation.effects import require_effect, require_read
 from osculate.simulation.hits import clearance_of, find_hit, scene_of
 from osculate.simulation.loop import InitialState, Loop, Setup, close_loop, size
 from osculate.simulation.metrics import Metrics, summarise
@@ -221,6 +221,7 @@ def make_setup(curve: Any, robot: Any, parts: dict[str, Any]) -> Setup:
         require_kind(name, value, PARTS[name])
     for fault in named.get("faults", ()):
         require_kind("faults", fault, Fault)
+    require_read(parts)
     setup = Setup(**named)
     require_effect(setup)
     require_slots(setup.clock, sum(f.delay for f in setup.faults if isinstance(f, Late)))

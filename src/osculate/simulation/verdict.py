@@ -12,7 +12,9 @@
 | reversed | it went 0.1 m backwards along the path, and had not slid | 15 |
 
 Of several things the first in time counts; at one instant a hit comes before leaving, leaving before going
-backwards, and all of them before the way in which the run ended. The sentence also tells that.
+backwards, and all of them before the way in which the run ended. The sentence also tells that. A run that
+diverges leaves its path or turns back on the way: that is told, but the verdict is that it diverged, unless
+it slid there.
 
 A path tracker has reached the end of an open curve within 20 mm of it along the path, and a closed curve
 after its length. A law of the paper has when its timetable is over or its target has come within 20 mm of
@@ -170,10 +172,13 @@ def judge(o: Outcome, hit: Hit | None = None) -> Verdict:
             VerdictKind.HIT, _then(words, hit.time, o, end), hit.place, hit.x, hit.y, hit.time,
             obstacle=hit.obstacle, penetration=hit.penetration,
         )  # fmt: skip
-    if event.kind:
+    words = f"{_mishap(o)} {_where(event)}" if event.kind else ""
+    if words and end.kind is VerdictKind.DIVERGED and not event.slid:
+        sentence = f"{end.sentence}; before that it {words}"
+        return Verdict(end.kind, sentence, o.place, o.x, o.y, o.time, end.reason)
+    if words:
         reason = "slid" if event.slid else ""
         kind = VerdictKind.REVERSED if event.kind == REVERSED else VerdictKind.LEFT
-        words = f"{_mishap(o)} {_where(event)}"
         return Verdict(
             kind,
             _then(words, event.time, o, end),

@@ -108,7 +108,9 @@ class Scenario(Spec):
             "target", "controller", "plant", "disturbance", "clock", "initial", "limits", "scene",
             "sensors", "estimator", "safety", "faults",
         )  # fmt: skip
-        return {name: getattr(self, name) for name in names}
+        unused = "target" if isinstance(self.controller, PathTracker) else "limits"
+        given = [n for n in names if n != unused or n in self.model_fields_set]
+        return {name: getattr(self, name) for name in given}
 
     def caution(self) -> str | None:
         """Where a steering that gets stuck would take the robot out of its corridor, in a sentence.

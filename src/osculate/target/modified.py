@@ -60,7 +60,7 @@ class Modified(Target):
             InvalidInput: The curvature vanishes or changes sign somewhere.
         """
         _require_bent(curve)
-        pace = self.profile.part(curve.total_turn, curve, tables)
+        pace = self.profile.part(curve.total_turn, curve, tables, heading=True)
         if isinstance(pace.parameters, ExponentialPace):
             return TargetPart(refer_modified, Nothing(), pace, pace.parameters)
         t = np.linspace(0.0, pace.horizon, SAMPLES)

@@ -98,8 +98,17 @@ class Profile(Spec):
     """A progress over time."""
 
     @abstractmethod
-    def part(self, whole: float, curve: Curve, tables: Tables) -> PacePart:
-        """Kernel and parameters; ``whole`` is the progress (m or rad) that completes the curve."""
+    def part(
+        self, whole: float, curve: Curve, tables: Tables, *, heading: bool = False
+    ) -> PacePart:
+        """Kernel and parameters.
+
+        Args:
+            whole: Progress (m or rad) that completes the curve.
+            curve: Where to drive.
+            tables: Where tables go.
+            heading: Whether it is a progress of heading (rad) instead of arc length (m).
+        """
 
 
 class Exponential(Profile):
@@ -115,7 +124,9 @@ class Exponential(Profile):
         "m or rad", "∫ϕ̇ dt; by default what completes the curve", default=None
     )
 
-    def part(self, whole: float, curve: Curve, tables: Tables) -> PacePart:
+    def part(
+        self, whole: float, curve: Curve, tables: Tables, *, heading: bool = False
+    ) -> PacePart:
         """See `Profile.part`."""
         amplitude = whole if self.amplitude is None else self.amplitude
         decay = self.decay
@@ -138,7 +149,9 @@ class Natural(Profile):
     kind: Literal["natural"] = "natural"
     rate: float = quantity("rad/s", "rate of the curve's parameter, μ", default=1.0, gt=0)
 
-    def part(self, whole: float, curve: Curve, tables: Tables) -> PacePart:
+    def part(
+        self, whole: float, curve: Curve, tables: Tables, *, heading: bool = False
+    ) -> PacePart:
         """See `Profile.part`."""
         if not isinstance(curve, Cycloid):
             raise InvalidInput(
@@ -149,11 +162,14 @@ class Natural(Profile):
         duration = float(curve.parameter(curve.length)) / self.rate
         t = np.linspace(0.0, duration, CELLS + 1)
         half = (self.rate * t + curve.truncation) / 2.0
-        columns = [
+        lengths = [
             curve.arc_length(self.rate * t),
             2.0 * curve.radius * self.rate * np.sin(half),
             curve.radius * self.rate**2 * np.cos(half),
         ]
+        turn = whole / duration  # a cycloid's heading is linear in its parameter
+        turns = [turn * t, np.full(len(t), turn), np.zeros(len(t))]
+        columns = turns if heading else lengths
         return _tabulated(np.stack(columns, axis=1), duration, tables)
 
 
@@ -190,7 +206,9 @@ class SampledProfile(Profile):
             raise InvalidInput("rates", self.rates, "must hold one finite rate for every time")
         return self
 
-    def part(self, whole: float, curve: Curve, tables: Tables) -> PacePart:
+    def part(
+        self, whole: float, curve: Curve, tables: Tables, *, heading: bool = False
+    ) -> PacePart:
         """See `Profile.part`; ``whole`` is ignored, the samples say how far the profile goes."""
         spline = _spline(self.times, self.rates)
         duration = self.times[-1]

@@ -18,6 +18,7 @@ casadi = pytest.importorskip("casadi")
 CLOCK = Sampled(period=0.04, delay=0.04, duration=20.0)
 
 
+@pytest.mark.core
 def test_it_follows_a_corner_and_reports_progress():
     seen = []
     run = simulate(

@@ -44,6 +44,7 @@ def on_globe(points):
     degrees=st.booleans(),
     height=st.booleans(),
 )
+@pytest.mark.core
 def test_geojson_in_metres_and_in_degrees(tmp_path_factory, wrap, suffix, degrees, height):
     points = (PLACES if degrees else WAVE).tolist()
     points = [[*p, 3.0] for p in points] if height else points

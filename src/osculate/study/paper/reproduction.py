@@ -1,7 +1,5 @@
 """Running all of it and writing it down: claims, figures and a page that holds both."""
 
-import base64
-import html
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -9,29 +7,35 @@ from pathlib import Path
 from osculate.files import write_text
 from osculate.folder import OutputFolder
 from osculate.strict_json import strict_json
-from osculate.study.paper.cases import CASES, rms, run_cases
-from osculate.study.paper.claims import HOLDS, Claim, Runs, claims
-
-CAPTIONS = {
-    "figure3": "Figure 3: the modified target. Above with plus signs in d₁, below with minus.",
-    "figure4": "Figure 4: the static target. Above with plus signs in d₁, below with minus.",
-    "figure5": "Figure 5: unstable yaw errors, d₁₁. Above with plus signs, below with minus.",
-    "figure6": "Figure 6: the disturbance d₁₂. Above on the law's heading, below on the robot's.",
-    "figure7": "Figure 7: steering angle and torques under d₁₂.",
-}
+from osculate.study.paper.cases import AS_MEANT, CURVE, ROBOT, STEP, Interpretation, run_cases
+from osculate.study.paper.claims import Claim, Evidence, claims
+from osculate.study.paper.measures import rms
+from osculate.study.paper.page import page
+from osculate.study.paper.provenance import provenance
+from osculate.study.paper.readings import matrix_of_readings, square_sums
+from osculate.vehicle import derivation
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """The paper's experiments and what they say about its statements."""
+    """The paper's experiments and what they say about its statements.
 
-    runs: Runs
+    Attributes:
+        interpretation: What was chosen where the text leaves something open.
+        evidence: Curve, robot, runs and readings.
+        halved: √(J_a/N) (m) of every experiment with half the step.
+        rows: The statements, judged.
+    """
+
+    interpretation: Interpretation
+    evidence: Evidence
+    halved: dict[str, float]
     rows: list[Claim]
 
     def write(
         self, output: str | Path, report: Callable[[float], None] | None = None
     ) -> list[Path]:
-        """Write ``claims.json``, ``figure3.png`` … ``figure7.png`` and ``paper.html``.
+        """Write ``claims.json``, ``figure1.png`` … ``figure7.png`` and ``paper.html``.
 
         Args:
             output: Folder; made if missing.
@@ -43,44 +47,49 @@ class Reproduction:
         """
         from osculate.study.paper.figures import write_figures
 
-        claims = strict_json([asdict(row) for row in self.rows], indent=2)
+        record = self._record()
         with OutputFolder(output, "reproduction") as folder:
-            folder.write("claims.json", lambda path: write_text(path, claims + "\n"))
-            figures = write_figures(self.runs, folder, report)
-            folder.write("paper.html", lambda path: write_text(path, self._page(figures)))
+            folder.write("claims.json", lambda path: write_text(path, record + "\n"))
+            figures = write_figures(self.evidence.runs, folder, report)
+            folder.write("paper.html", lambda path: write_text(path, page(self, figures)))
         return sorted(folder.written, key=lambda path: path.name != "paper.html")
 
-    def _page(self, figures: list[Path]) -> str:
-        claims = "\n".join(_claim_row(row) for row in self.rows)
-        cases = "\n".join(
-            _row([case.meaning, f"{rms(self.runs[name]):.3g} m", self.runs[name].message])
-            for name, case in CASES.items()
-        )
-        pictures = "\n".join(
-            f'<figure><img alt="{html.escape(CAPTIONS[path.stem])}" '
-            f'src="data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}">'
-            f"<figcaption>{html.escape(CAPTIONS[path.stem])}</figcaption></figure>"
-            for path in figures
-        )
-        return _PAGE.format(claims=claims, cases=cases, pictures=pictures)
+    def _record(self) -> str:
+        runs = self.evidence.runs
+        content = {
+            "provenance": provenance(self.interpretation),
+            "claims": [asdict(row) for row in self.rows],
+            "experiments": [
+                {"name": name, "rms": rms(run), "rms_half_step": self.halved[name], "ending": run.message}
+                for name, run in runs.items()
+            ],
+            "readings": [row._asdict() for row in self.evidence.readings],
+            "square_sums": [row._asdict() for row in self.evidence.square_sums],
+        }  # fmt: skip
+        return strict_json(content, indent=2)
 
 
-def reproduce(report: Callable[[float], None] | None = None) -> Reproduction:
-    """Run every experiment of the paper and judge every statement."""
-    runs = run_cases(report)
-    return Reproduction(runs, claims(runs))
+def reproduce(
+    interpretation: Interpretation = AS_MEANT,
+    report: Callable[[float], None] | None = None,
+) -> Reproduction:
+    """Run every experiment of the paper, with h and h/2, and judge every statement.
 
+    Args:
+        interpretation: What the text leaves open: θ̂(0), and what happens after s = l.
+        report: Called with the fraction that is done.
+    """
 
-def _claim_row(row: Claim) -> str:
-    kind = "good" if row.verdict == HOLDS else "bad" if row.verdict == "does not hold" else "partly"
-    cells = [row.statement, row.source, row.expected_text, row.measured_text]
-    note = f"<small>{html.escape(row.note)}</small>" if row.note else ""
-    return _row(cells, f'<td class="{kind}">{html.escape(row.verdict)}{note}</td>', row.id)
+    def part(begin: float, end: float) -> Callable[[float], None] | None:
+        return (lambda done: report(begin + (end - begin) * done)) if report else None
 
-
-def _row(cells: list[str], last: str = "", anchor: str = "") -> str:
-    inner = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
-    return f'<tr id="{anchor}">{inner}{last}</tr>' if anchor else f"<tr>{inner}{last}</tr>"
-
-
-_PAGE = Path(__file__).with_name("paper.html").read_text(encoding="utf-8")
+    runs = run_cases(interpretation, STEP, part(0.0, 0.3))
+    finer = run_cases(interpretation, STEP / 2.0, part(0.3, 0.7))
+    halved = {name: rms(run) for name, run in finer.items()}
+    readings = matrix_of_readings(part(0.7, 0.8))
+    sums = square_sums(part(0.8, 0.9))
+    evidence = Evidence(CURVE, ROBOT, derivation.derive(), runs, readings, sums)
+    rows = claims(evidence)
+    if report:
+        report(1.0)
+    return Reproduction(interpretation, evidence, halved, rows)

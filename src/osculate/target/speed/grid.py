@@ -63,7 +63,7 @@ class Problem(NamedTuple):
     @property
     def step(self) -> float:
         """Distance of the nodes (m)."""
-        return float(self.s[1])
+        return float(self.s[1] - self.s[0])
 
     @property
     def samples(self) -> int:
@@ -71,16 +71,18 @@ class Problem(NamedTuple):
         return (len(self.curvature) - 1) // (len(self.s) - 1)
 
 
-def make_problem(curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None) -> Problem:
-    """Nodes and bounds.
+def make_problem(
+    curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None, begin: float
+) -> Problem:
+    """Nodes and bounds from the arc length ``begin`` (m) on.
 
     Raises:
         InvalidInput: The curve is too long for one plan.
         NoSolution: The robot cannot follow the curve at any speed.
     """
-    cells = _cells(curve)
+    cells = _cells(curve, curve.length - begin)
     m = SAMPLES if cells <= MANY else FEWER
-    s = np.linspace(0.0, curve.length, cells * m + 1)
+    s = np.linspace(begin, curve.length, cells * m + 1)
     point = curve.at(s)
     _require_steerable(curve, robot, s, point.curvature)
     caps = _caps(curve, robot, limits, s, (point.curvature, point.curvature_rate))
@@ -108,8 +110,8 @@ def make_problem(curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling
     )
 
 
-def _cells(curve: Curve) -> int:
-    wanted = np.clip(curve.length / FINEST, 20, max(NODES, curve.length / COARSEST))
+def _cells(curve: Curve, length: float) -> int:
+    wanted = np.clip(length / FINEST, 20, max(NODES, length / COARSEST))
     if not wanted <= MOST_NODES:
         raise InvalidInput(
             "curve.length", curve.length, f"a speed plan would need {wanted / 1e6:.3g} M nodes, at most "
@@ -129,7 +131,9 @@ def _caps(
     curve: Curve, robot: Tricycle, limits: Limits, s: Array, bend: tuple[Array, Array]
 ) -> dict[str, Array]:
     a, curvature = robot.wheelbase, np.abs(bend[0])
-    turning = a * np.abs(bend[1]) / (1.0 + (a * curvature) ** 2)
+    beside = np.pad(curvature, 1, mode="edge")  # where the rate jumps between two samples
+    least = np.minimum(np.minimum(beside[:-2], beside[2:]), curvature)
+    turning = a * np.abs(bend[1]) / (1.0 + (a * least) ** 2)
     steering = limits.steering * robot.actuators.steering_rate_limit
     caps = {
         "speed": np.full(len(s), limits.speed**2 / 2.0),
@@ -177,9 +181,17 @@ def _drive(robot: Tricycle, limits: Limits, curvature: Array, rate: Array, m: in
     act, r = robot.actuators, robot.wheel_radius
     bare = robot.total_mass + 2.0 * robot.wheel_inertia / r**2
     mass = _by_cell(bare + robot.turn_inertia * curvature**2, m)
-    turn = _by_cell(2.0 * robot.turn_inertia * curvature * rate, m)
+    bends, rates = _by_cell(2.0 * robot.turn_inertia * curvature, m), _by_cell(rate, m)
+    # the rate may jump between two samples, where the curvature is between theirs
+    turn = np.stack(
+        [
+            edge(bends, axis=1) * other(rates, axis=1)
+            for edge in (np.min, np.max)
+            for other in (np.min, np.max)
+        ]
+    )
     return Drive(
-        mass.min(axis=1), mass.max(axis=1), turn.min(axis=1), turn.max(axis=1),
+        mass.min(axis=1), mass.max(axis=1), turn.min(axis=0), turn.max(axis=0),
         force=limits.torque * 2.0 * act.torque_limit / r,
         rolling=act.rolling_resistance * robot.weight,
         power=np.inf if act.power_limit is None else limits.torque * act.power_limit,

@@ -37,10 +37,14 @@ class PlannedMotion(NamedTuple):
 class SpeedPlan:
     """A speed over arc length: v² / 2 is a quadratic between two nodes and smooth at them."""
 
-    arc_length: Array  # m, nodes, shape (n,), uniform
+    arc_length: Array  # m, nodes, shape (n,), uniform, to the curve's end
     energy: Array  # m²/s², v²/2, shape (n,)
     acceleration: Array  # m/s², along the path, shape (n,), linear between the nodes
     binding: list[str]  # which limit holds the speed down there, shape (n,)
+
+    @property
+    def _step(self) -> float:
+        return float(self.arc_length[1] - self.arc_length[0])
 
     @property
     def speed(self) -> Array:
@@ -48,13 +52,12 @@ class SpeedPlan:
         return np.sqrt(2.0 * self.energy)
 
     def at(self, arc_length: ArrayLike) -> PlannedMotion:
-        """The plan at arc lengths (m), of any shape, on its curve."""
-        s = np.clip(np.asarray(arc_length, dtype=float), 0.0, self.arc_length[-1])
-        step = self.arc_length[1]
-        cell = np.minimum((s / step).astype(int), len(self.energy) - 2)
+        """The plan at arc lengths (m), of any shape; clipped to those that are planned."""
+        s = np.clip(np.asarray(arc_length, dtype=float), self.arc_length[0], self.arc_length[-1])
+        cell = np.minimum(((s - self.arc_length[0]) / self._step).astype(int), len(self.energy) - 2)
         beyond = s - self.arc_length[cell]
         first = self.acceleration[cell]
-        bend = (self.acceleration[cell + 1] - first) / step
+        bend = (self.acceleration[cell + 1] - first) / self._step
         energy = self.energy[cell] + beyond * (first + 0.5 * bend * beyond)
         speed = np.sqrt(2.0 * np.maximum(energy, 0.0))
         return PlannedMotion(speed, first + bend * beyond, bend * speed)
@@ -63,9 +66,8 @@ class SpeedPlan:
     def duration(self) -> float:
         """Time for the whole curve (s)."""
         nodes, weights = np.polynomial.legendre.leggauss(6)
-        step = self.arc_length[1]
-        places = self.arc_length[:-1, None] + 0.5 * step * (nodes + 1.0)
-        return float((0.5 * step * weights / self.at(places).speed).sum())
+        places = self.arc_length[:-1, None] + 0.5 * self._step * (nodes + 1.0)
+        return float((0.5 * self._step * weights / self.at(places).speed).sum())
 
     def shares(self) -> dict[str, float]:
         """Which part of the length each limit binds on, the largest first."""
@@ -76,7 +78,7 @@ class SpeedPlan:
     def table(self, tables: Tables) -> Grid:
         """Append the columns (E, E') for kernels."""
         rows = np.stack([self.energy, self.acceleration], axis=1)
-        return tables.add(rows, 0.0, float(self.arc_length[1] - self.arc_length[0]))
+        return tables.add(rows, float(self.arc_length[0]), self._step)
 
 
 def plan_speed(
@@ -95,13 +97,18 @@ def plan_speed(
         NoSolution: The robot cannot follow the curve at any speed (says the limit and the place), or not
             with the given speeds at the ends (says the distance that it needs).
     """
-    limits = limits or Limits()
+    return _plan(curve, robot, limits or Limits(), ceiling, 0.0)
+
+
+def _plan(
+    curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None, begin: float
+) -> SpeedPlan:
     for name in ("creep", "start_speed", "end_speed"):
         value = getattr(limits, name)
         if value is not None and value > limits.speed:
             message = f"must be at most speed = {limits.speed:g} m/s"
             raise InvalidInput(f"limits.{name}", value, message)
-    problem = make_problem(curve, robot, limits, ceiling)
+    problem = make_problem(curve, robot, limits, ceiling, begin)
     require_strength(problem, limits)
     require_ends(problem, limits)
     c = _iterate(problem, limits)
@@ -123,7 +130,7 @@ RESTING = Begin()
 def plan_from(
     begin: Begin, curve: Curve, robot: Tricycle, limits: Limits, ceiling: Ceiling | None = None
 ) -> SpeedPlan:
-    """The plan for a robot that moves already: at the start of the curve it takes over its speed.
+    """The plan for a robot that moves already: where it is faster than planned, from there on.
 
     Raises:
         InvalidInput: See `plan_speed`.
@@ -133,14 +140,14 @@ def plan_from(
     allowed = float(plan.at(begin.arc_length).speed)
     if not begin.speed > allowed * (1.0 + SLACK):
         return plan
-    given = limits.start_speed is not None
-    if begin.arc_length > 0.0 or begin.speed > limits.speed or given:
-        hint = "limits.start_speed" if given else "the limit that binds there"
+    given = limits.start_speed is not None and begin.arc_length == 0.0
+    if begin.speed > limits.speed or given:
+        hint = "limits.start_speed" if given else "limits.speed"
         raise NoSolution(
             f"the robot begins with {begin.speed:.4g} m/s at s = {begin.arc_length:.4g} m, where the plan "
             f"allows {allowed:.4g} m/s; start slower, or raise {hint}"
         )
-    return plan_speed(curve, robot, limits.but(start_speed=begin.speed), ceiling)
+    return _plan(curve, robot, limits.but(start_speed=begin.speed), ceiling, begin.arc_length)
 
 
 def _iterate(problem: Problem, limits: Limits) -> Array:

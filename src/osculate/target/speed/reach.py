@@ -84,7 +84,7 @@ def require_ends(problem: Problem, limits: Limits) -> None:
         NoSolution: Says which distance they need.
     """
     middle = problem.s[:-1] + 0.5 * problem.step
-    places = np.concatenate([[0.0], middle, problem.s[-1:]])
+    places = np.concatenate([problem.s[:1], middle, problem.s[-1:]])
     speeds = np.sqrt(2.0 * np.pad(problem.most[1:-1], 1, mode="edge"))
     for place, end in zip((0, -1), problem.ends, strict=True):
         if end is not None:
@@ -100,7 +100,14 @@ def require_ends(problem: Problem, limits: Limits) -> None:
         worst = int((smooth - room).argmax())
         if smooth[worst] - room[worst] > ROUNDING:
             hard = float(needed_distance(speeds[worst], wanted, size, np.inf))
-            numbers = (speeds[worst], places[worst], hard, smooth[worst], room[worst], places[-1])
+            numbers = (
+                speeds[worst],
+                places[worst],
+                hard,
+                smooth[worst],
+                room[worst],
+                np.ptp(places),
+            )
             raise NoSolution(str(_Reach(name, wanted, *map(float, numbers))))
 
 
@@ -124,9 +131,9 @@ def explain_infeasible(problem: Problem, limits: Limits) -> NoSolution:
     ]
     if ends:
         return NoSolution(
-            f"no speed profile keeps all limits with the {' and the '.join(ends)} on {problem.s[-1]:.4g} m:"
-            " motors, jerk and the other limits together do not allow it; lower these speeds, or raise "
-            f"limits.torque or limits.jerk = {limits.jerk:g} m/s³"
+            f"no speed profile keeps all limits with the {' and the '.join(ends)} on "
+            f"{np.ptp(problem.s):.4g} m: motors, jerk and the other limits together do not allow it; "
+            f"lower these speeds, or raise limits.torque or limits.jerk = {limits.jerk:g} m/s³"
         )
     return NoSolution(
         "no speed profile keeps all limits: the motors cannot hold the slowest speed "

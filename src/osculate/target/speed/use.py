@@ -3,19 +3,20 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from osculate.target.speed.grid import Problem
+from osculate.target.speed.grid import MANY, Problem
 from osculate.target.speed.limits import Limits
 from osculate.target.speed.programme import Margin, ordinates
 
 Array = NDArray[np.float64]
 
+FINE = 16  # places of every cell at which the motors' use is taken, where there are not many cells
 NAMED = 1.001  # energy per that of the creeping speed below which a plan counts as creeping
 
 
 def _spread(problem: Problem, c: Array) -> tuple[Array, Array, Array]:
-    """E and E' at the samples of every cell, shape (n, m + 1), and E'', shape (n,)."""
-    m, h = problem.samples, problem.step
-    way = h * np.arange(m + 1) / m
+    """E and E' at places of every cell, shape (n, k), and E'', shape (n,)."""
+    count, h = (FINE if len(c) <= MANY else problem.samples), problem.step
+    way = h * np.arange(count + 1) / count
     first, _, _ = ordinates(c)
     slope, bend = np.diff(c)[:-1] / h, np.diff(c, 2) / h**2
     energy = first[:, None] + way * (slope[:, None] + 0.5 * bend[:, None] * way)
