@@ -288,9 +288,13 @@ def test_mujoco_names_sliding():
 
     x = np.linspace(0, 12, 49)
     curve = Spline(points=tuple(zip(x, 0.8 * np.sin(2 * np.pi * x / 6), strict=True)))
-    run = simulate(
-        curve, controller=CurvatureTracker(), limits=Limits(speed=1.5), plant=Mujoco(friction=0.2)
-    )
+    with pytest.warns(UserWarning, match="may slide"):
+        run = simulate(
+            curve,
+            controller=CurvatureTracker(),
+            limits=Limits(speed=1.5),
+            plant=Mujoco(friction=0.2),
+        )
     assert run.verdict.kind == "left"
     assert run.verdict.reason == "slid"
     assert "slid" in run.verdict.sentence
