@@ -139,6 +139,9 @@ def test_a_robot_that_never_came_onto_the_path_has_left_it():
     assert "1.25 m off the path" in judge(but(cross_track=-1.25)).sentence
     assert judge(but(cross_track=0.4, half_width=0.3)).kind == "left"
     assert judge(but(tipped=1.0, code=DIVERGED)).reason == "tipped"
+    fell = judge(but(tipped=1.0, code=DIVERGED, slid=9.0))  # 1 s before the end
+    assert (fell.kind, fell.reason) == ("left", "slid")
+    assert fell.sentence.startswith("slid and tipped over at t = 10.000 s")
     assert judge(but(code=DIVERGED, slid=9.0)).reason == "slid"
     assert judge(but(code=DIVERGED, slid=7.0)).reason == ""
 

@@ -193,10 +193,14 @@ def judge(o: Outcome, hit: Hit | None = None) -> Verdict:
 
 def _ending(o: Outcome) -> _End:
     """How the run ended, whatever happened before."""
+    slid = bool(o.time - o.slid <= RECENT)
     if o.tipped:
-        return _End(VerdictKind.LEFT, f"tipped over {_where(o)}", "tipped")
+        words = f"tipped over {_where(o)}"
+        return _End(
+            VerdictKind.LEFT, f"slid and {words}" if slid else words, "slid" if slid else "tipped"
+        )
     if o.code == DIVERGED:
-        return _diverged(o)
+        return _diverged(o, slid)
     if o.code == STOPPED:
         why = _intervention(o, o.stop)
         return _End(VerdictKind.STOPPED, f"ended at standstill {_where(o)}: {why}", why)
@@ -239,8 +243,8 @@ def _off(o: Outcome, end: str) -> str:
     return f", {_length(abs(short))} {side} {end}" if abs(short) >= WORTH_SAYING else ""
 
 
-def _diverged(o: Outcome) -> _End:
-    reason = "slid" if o.time - o.slid <= RECENT else ""
+def _diverged(o: Outcome, slid: bool) -> _End:
+    reason = "slid" if slid else ""
     words = (
         f"diverged after t = {o.time:.3f} s: the next state is not finite or beyond the speed limit; "
         f"last speed {o.speed:.4g} m/s, cross-track error {o.cross_track:.4g} m"
