@@ -57,6 +57,8 @@ def arguments(function):
 def test_an_argument_of_the_wrong_kind_is_refused_by_its_name(function, argument, wrong):
     if function is tune:
         pytest.importorskip("cma")
+    if argument == "keep" and isinstance(wrong, str):
+        wrong = b"no path"  # any text is one
     with pytest.raises(InvalidInput) as caught:
         function(**{**CALLS[function], argument: wrong})
     assert caught.value.field.startswith(argument)

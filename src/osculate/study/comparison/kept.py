@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from osculate.curve import CurveFile
+from osculate.errors import InvalidInput
 from osculate.files import complete_file
 from osculate.kernel.foreign import versions
 from osculate.spec import Spec
@@ -52,8 +53,16 @@ class Kept:
 
     @classmethod
     def at(cls, place: "Kept | str | Path | None") -> "Kept | None":
-        """A folder of finished work, given itself or by its path."""
-        return cls(Path(place)) if isinstance(place, (str, Path)) else place
+        """A folder of finished work, given itself or by its path.
+
+        Raises:
+            InvalidInput: Something else.
+        """
+        if place is None or isinstance(place, cls):
+            return place
+        if not isinstance(place, (str, Path)):
+            raise InvalidInput("keep", place, "must be the path of a folder, a Kept, or None")
+        return cls(Path(place))
 
     def find(self, key: str | None) -> Arrays | None:
         """What was kept under a key, or None."""
