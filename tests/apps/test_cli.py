@@ -296,7 +296,9 @@ def test_what_cannot_be_written_is_said_before_anything_runs(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["osculate", *arguments])
     for name in blocked:
-        monkeypatch.setitem(sys.modules, name, None)
+        here = [known for known in sys.modules if known.startswith(f"{name}.")]
+        for known in (name, *here):
+            monkeypatch.setitem(sys.modules, known, None)
     for name in ("run.run_loop", "physics.run_physics", "batch._run"):
         monkeypatch.setattr(f"osculate.simulation.{name}", pytest.fail)
     with pytest.raises(SystemExit) as ended:
