@@ -304,7 +304,12 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
     stuck = foreseen.caution(plan) if foreseen is not None else None
-    loop = replace(loop, caution=cautions(setup, checked_world(setup), plan, stuck))
+    world = checked_world(setup)
+    caution = tables.once(
+        ("caution", world.plant, begin, *task, ceiling, stuck),
+        lambda: cautions(setup, world, plan, stuck),
+    )
+    loop = replace(loop, caution=caution)
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop
