@@ -233,6 +233,17 @@ def test_a_batch_has_the_verdicts_of_its_runs():
         assert (v.time, v.place, v.x, v.y) == (c["time"][n], c["foot"][n], c["x"][n], c["y"][n])
 
 
+def test_where_errors_begin_to_count_varies_by_one_name():
+    start, scene = InitialState(heading_error=0.6), Scene(corridor=0.2)
+    places = [0.0, 3.0, 20.0]
+    batch = simulate_batch(CURVE, initial=start, scene=scene, vary={"settled": places}, **PARTS)
+    alone = [
+        simulate(CURVE, initial=start.but(settled=place), scene=scene, **PARTS) for place in places
+    ]
+    assert list(batch.verdicts) == [run.verdict for run in alone]
+    assert len({run.verdict.time for run in alone}) > 1
+
+
 def test_a_lane_that_ends_inside_an_obstacle_waits_without_going_deeper():
     """The deepest place is the last one, at an instant of its own, long before the block ends."""
     end = CURVE.at(CURVE.length)
