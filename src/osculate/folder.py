@@ -24,8 +24,8 @@ class OutputFolder:
 
     From the first file to the last one it holds ``INCOMPLETE.txt``, which says what is missing; it stays
     while an earlier output of another kind is not complete. Files that an earlier output of the same kind
-    has left are removed, whatever else is there stays. One
-    process writes at a time, others wait. A file that cannot be written does not keep others from it.
+    has left are removed, whatever else is there stays. One process writes at a time, others wait. A file
+    that cannot be written does not keep others from it.
 
     Args:
         path: The folder; made if missing.
