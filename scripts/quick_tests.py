@@ -15,9 +15,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
 
-QUICK = (
-    5.0  # s of CPU, a test that takes longer uncompiled and watched is left to the compiled ones
-)
+#: s of CPU; tests that take longer, uncompiled and watched, are left to the compiled ones.
+QUICK = 5.0
 FORK = multiprocessing.get_context("fork")
 GENEROUS = 10.0  # factor over what a test took without a mutant, after which it runs in circles
 BEHIND = (

@@ -67,6 +67,22 @@ def test_nothing_old_stays_beside_new_and_nothing_of_others_goes(tmp_path):
     assert contents(tmp_path) == {"mine.txt", "a", "c", "page"}
 
 
+def test_a_folder_stays_incomplete_until_every_kind_of_output_is_complete(tmp_path):
+    def fail(path):
+        raise OSError("no more room")
+
+    for kind in ("comparison", "reproduction"):
+        with pytest.raises(NotWritten):
+            write(tmp_path, "page", kind=kind, page=fail)
+    write(tmp_path, "a")
+    text = (tmp_path / MARK).read_text()
+    assert "an earlier comparison, reproduction" in text
+    write(tmp_path, "page", kind="comparison")
+    assert "an earlier reproduction are" in (tmp_path / MARK).read_text()
+    write(tmp_path, "page", kind="reproduction")
+    assert contents(tmp_path) == {"a", "page"}
+
+
 def test_the_first_new_file_is_there_before_the_old_ones_go(tmp_path):
     write(tmp_path, "scenario", "b")
     with OutputFolder(tmp_path, "run") as folder:

@@ -16,14 +16,16 @@ from osculate.strict_json import strict_json
 
 MARK = "INCOMPLETE.txt"
 RECORD = ".osculate.json"  # the files of every kind of output in the folder
+BEGUN = "not finished"  # in the record: the kinds of output of which something is missing
 
 
 class OutputFolder:
     """A folder while it is written, in a ``with`` statement.
 
-    From the first file to the last one it holds ``INCOMPLETE.txt``, which says what is missing. Files
-    that an earlier output of the same kind has left are removed, whatever else is there stays. One
-    process writes at a time, others wait. A file that cannot be written does not keep others from it.
+    From the first file to the last one it holds ``INCOMPLETE.txt``, which says what is missing; it stays
+    while an earlier output of another kind is not complete. Files that an earlier output of the same kind
+    has left are removed, whatever else is there stays. One process writes at a time, others wait. A file
+    that cannot be written does not keep others from it.
 
     Args:
         path: The folder; made if missing.
@@ -40,6 +42,7 @@ class OutputFolder:
         self.written: list[Path] = []
         self._failed: dict[str, Exception] = {}
         self._old: set[str] = set()
+        self._others: set[str] = set()  # kinds of output that an earlier process has not finished
         self._lock = -1
 
     def __enter__(self) -> Self:
@@ -47,7 +50,9 @@ class OutputFolder:
             self.path.mkdir(parents=True, exist_ok=True)
             self._lock = self._claim()
             self._mark()
-            self._old = set(self._recorded().get(self.kind, ()))
+            found = self._recorded()
+            self._old, self._others = set(found.get(self.kind, ())), set(found.get(BEGUN, ()))
+            self._others.discard(self.kind)
         except OSError as error:
             if self._lock >= 0:
                 os.close(self._lock)
@@ -61,7 +66,8 @@ class OutputFolder:
         self.expected += [name] if name not in self.expected else []
         try:
             names = {*self._old, *(path.name for path in self.written), name}
-            self._record(names)  # before the file: if this process is killed, the next one knows it
+            begun = {*self._others, self.kind}
+            self._record(names, begun)  # before the file: if this process is killed, the next knows
             write_by(writer, target)
             self.written.append(target)
             self._remove_old()
@@ -76,8 +82,11 @@ class OutputFolder:
         try:
             if error is None and not self._failed:
                 with contextlib.suppress(OSError):  # a full disk; it then names too many
-                    self._record({path.name for path in self.written})
-                (self.path / MARK).unlink(missing_ok=True)
+                    self._record({path.name for path in self.written}, self._others)
+                if self._others:
+                    self._say_who_has_not_finished()
+                else:
+                    (self.path / MARK).unlink(missing_ok=True)
                 return
             self._say_what_is_missing(kind)
         finally:
@@ -126,9 +135,19 @@ class OutputFolder:
         except (FileNotFoundError, ValueError, AttributeError, TypeError):
             return {}
 
-    def _record(self, names: set[str]) -> None:
+    def _record(self, names: set[str], begun: set[str]) -> None:
         found = {**self._recorded(), self.kind: sorted(names)}
+        found.pop(BEGUN, None)
+        found |= {BEGUN: sorted(begun)} if begun else {}
         write_text(self.path / RECORD, strict_json(found, indent=1) + "\n", durable=False)
+
+    def _say_who_has_not_finished(self) -> None:
+        kinds = ", ".join(sorted(self._others))
+        with contextlib.suppress(OSError):  # a full disk; then the first text stays
+            self._write_mark(
+                f"This folder is not complete: files of an earlier {kinds} are missing.\n"
+                f"What was written last, the {self.kind}, is complete.\n"
+            )
 
     def _say_what_is_missing(self, kind: type[BaseException] | None) -> None:
         done = [path.name for path in self.written]

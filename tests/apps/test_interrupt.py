@@ -47,6 +47,18 @@ def test_a_program_ends_even_if_it_cannot_listen(tmp_path, code):
     assert [*tmp_path.iterdir()] == []
 
 
+def test_another_signal_ends_nothing():
+    code = STUCK[: STUCK.index("with ")] + (
+        "signal.signal(signal.SIGUSR1, lambda *_: None)\n"
+        "with interruptible():\n"
+        "    signal.raise_signal(signal.SIGUSR1)\n"
+        "    time.sleep(2.0 * PATIENCE)\n"
+    )
+    code = code.replace("import interruptible", "import PATIENCE, interruptible")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_an_error_ends_a_program_as_always():
     code = STUCK[: STUCK.index("with ")] + "with interruptible():\n    1 / 0\n"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

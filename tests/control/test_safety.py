@@ -105,7 +105,7 @@ def test_a_run_tells_what_was_done_and_why():
         safety=Safety(), faults=(StuckSteering(time=2.5),),
     )  # fmt: skip
     assert run.metrics.ended == "safety stop"
-    assert "the steering does not obey" in run.message
+    assert "the steering does not obey" in run.verdict.sentence
     last = run.interventions[-1]
     assert last.begin > 2.5
     assert last.reason == REASONS[7]

@@ -37,6 +37,9 @@ from osculate import (
     variable_names,
     vehicle_named,
 )
+from osculate.simulation import loop as loops
+from osculate.simulation.alike import close_alike
+from osculate.simulation.run import make_setup
 from osculate.simulation.variables import RATES
 
 CURVE = Spline(points=((0, 0), (1.5, 0.5), (3, 0)))
@@ -199,3 +202,13 @@ def test_numbers_to_vary_are_those_of_the_robot_and_its_world():
     assert not [
         name for name in names if name.endswith((".grid.offset", ".profile.offset", ".density"))
     ]
+
+
+def test_what_is_foreseen_of_one_task_is_foreseen_once(monkeypatch):
+    """It takes longer than all the rest of a closed loop."""
+    asked = []
+    monkeypatch.setattr(loops, "foresee_sliding", lambda plant, *_: asked.append(plant))
+    plants = [Actuated(), Actuated(), Actuated(payload=1.0)]
+    law = {"controller": PurePursuit()}
+    close_alike(make_setup(Line(distance=2.0), None, {**law, "plant": p}) for p in plants)
+    assert asked == [Actuated(), Actuated(payload=1.0)]

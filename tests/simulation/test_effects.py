@@ -90,7 +90,7 @@ def outcome(parts):
     return (
         {name: column.tobytes() for name, column in run.columns.items()},
         run.metrics,
-        run.message,
+        run.verdict.sentence,
     )
 
 

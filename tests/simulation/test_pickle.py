@@ -28,7 +28,7 @@ def test_a_result_comes_back_whole(name):
         assert back.data.identical(result.data)
         assert repr(back.metrics) == repr(result.metrics)
     if name != "batch":
-        assert after.message == result.message
+        assert after.verdict.sentence == result.verdict.sentence
         assert np.array_equal(after.clearance, result.clearance)
         assert after.interventions == result.interventions
         assert repr(after.plan) == repr(result.plan)

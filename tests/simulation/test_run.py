@@ -118,7 +118,7 @@ def test_a_diverging_run_stops_and_keeps_what_it_had():
         CURVE, target=Static(profile=Natural()), disturbance=Disturbance.internal(20, 20)
     )
     assert run.diverged
-    assert run.message.startswith("diverged after t = ")
+    assert run.verdict.sentence.startswith("diverged after t = ")
     assert all(np.isfinite(values).all() for values in run.columns.values())
     assert run.metrics.duration == pytest.approx(run.columns["time"][-1])
     assert len(run.columns["time"]) > 500
@@ -127,7 +127,7 @@ def test_a_diverging_run_stops_and_keeps_what_it_had():
 def test_a_timetable_ends_when_it_is_complete():
     run = simulate(CURVE, target=Static(profile=Natural()))
     assert run.metrics.ended == "path end"
-    assert run.message.startswith("completed its timetable at t = 5.259 s")
+    assert run.verdict.sentence.startswith("completed its timetable at t = 5.259 s")
     assert run.metrics.duration == pytest.approx(2 * math.pi - 2 * CURVE.truncation, abs=1e-12)
 
 

@@ -73,7 +73,7 @@ def test_short_curves_have_tables_of_bounded_size(length):
 
 def test_a_line_of_a_millimetre_is_driven():
     run = simulate(Spline(points=((0, 0), (1e-3, 0))), controller=TRACKER)
-    assert "reached the end" in run.message
+    assert "reached the end" in run.verdict.sentence
 
 
 def test_a_curve_too_fine_for_its_table_is_refused_by_place():

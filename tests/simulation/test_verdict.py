@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,12 +28,15 @@ from osculate import (
     Spline,
     Static,
     StuckSteering,
+    Tricycle,
     VerdictKind,
     simulate,
     simulate_batch,
     vehicle_named,
 )
 from osculate.errors import NoSolution
+from osculate.kernel import names
+from osculate.scene.contact import penetration
 from osculate.simulation.events import (
     BACKWARD,
     LEFT,
@@ -45,6 +49,8 @@ from osculate.simulation.events import (
     slides,
     watch_events,
 )
+from osculate.simulation.hits import HitWatch
+from osculate.simulation.loop import BLANK, path_end, size
 from osculate.simulation.records import DIVERGED, FINISHED, RUNNING, STOPPED
 from osculate.simulation.tally import empty_tally
 from osculate.simulation.verdict import EXIT_CODES, Hit, Outcome, infeasible, judge
@@ -119,6 +125,12 @@ def test_a_tracker_is_there_within_20_mm(code, short, closed):
     expected = "late" if short > 0.02 else "left" if short < -0.02 and not closed else "reached"
     assert judge(outcome).kind == expected
     assert (f"{1e3 * abs(short):.3g} mm" in judge(outcome).sentence) == (abs(short) >= 1e-3)
+
+
+@given(st.floats(-1e-4, 1e-4), st.floats(0.002, 2.0))
+def test_a_robot_that_rolls_over_the_end_has_left_however_the_landing_rounds(error, speed):
+    over = path_end(Line(distance=8.0), Limits())
+    assert judge(but(place=over + error, speed=speed)).kind == "left"
 
 
 @given(st.booleans(), st.booleans(), st.floats(-2.0, 2.0), st.floats(-1.0, 1.0), st.floats(0, 90))
@@ -224,6 +236,52 @@ def test_a_batch_has_the_verdicts_of_its_runs():
         assert (v.time, v.place, v.x, v.y) == (c["time"][n], c["foot"][n], c["x"][n], c["y"][n])
 
 
+def test_where_errors_begin_to_count_varies_by_one_name():
+    start, scene = InitialState(heading_error=0.6), Scene(corridor=0.2)
+    places = [0.0, 3.0, 20.0]
+    batch = simulate_batch(CURVE, initial=start, scene=scene, vary={"settled": places}, **PARTS)
+    alone = [
+        simulate(CURVE, initial=start.but(settled=place), scene=scene, **PARTS) for place in places
+    ]
+    assert list(batch.verdicts) == [run.verdict for run in alone]
+    assert len({run.verdict.time for run in alone}) > 1
+
+
+def test_a_lane_that_ends_inside_an_obstacle_waits_without_going_deeper():
+    """The deepest place is the last one, at an instant of its own, long before the block ends."""
+    end = CURVE.at(CURVE.length)
+    ahead = Tricycle().footprint.front
+    x, y = end.x + ahead * math.cos(end.heading), end.y + ahead * math.sin(end.heading)
+    scene = Scene(obstacles=(Disc(x=float(x), y=float(y), radius=0.1),))
+    starts = [InitialState(arc_length=s) for s in (12.0, 11.0, 2.0)]
+    batch = simulate_batch(CURVE, initial=starts, scene=scene, **PARTS)
+    alone = [simulate(CURVE, initial=start, scene=scene, **PARTS) for start in starts]
+    assert list(batch.verdicts) == [run.verdict for run in alone]
+    for run in alone[:2]:
+        last = {name: run.columns[name][-1] for name in ("x", "y", "heading")}
+        outline = scene.obstacles[0].outline((0.0, 0.0))
+        depth = penetration(outline, run.setup.robot.footprint.corners, **last)
+        assert run.metrics.ended == "path end"
+        assert run.verdict.penetration == depth > 0.05
+
+
+def test_what_a_lane_records_after_its_end_is_no_hit():
+    """Until its block ends a lane stands a moment before its landing, here deeper inside."""
+    scene = Scene(obstacles=(Disc(x=2.0, y=0.0, radius=0.1),))
+    setup = SimpleNamespace(curve=Line(distance=6.0), robot=Tricycle())
+    watch = HitWatch([setup], [scene], BLANK)
+    touching = 1.9 - setup.robot.footprint.front
+    for instants in ([(0.0, -0.1), (0.5, 0.05), (1.0, 0.08), (1.5, 0.08)], [], [(0.75, 0.02)]):
+        rows = np.zeros((len(instants), size(BLANK), 64))
+        for row, (t, deep) in zip(rows, instants, strict=True):
+            row[list(names(BLANK)).index("time")] = t
+            row[list(names(BLANK)).index("motion.x")] = touching + deep
+        watch.see(rows)
+    (hit,) = watch.hits()
+    assert hit.time == 0.5
+    assert hit.penetration == pytest.approx(0.05, abs=1e-3)
+
+
 def test_a_batch_with_obstacles_keeps_the_same_record():
     parts = {"initial": [InitialState(), InitialState(cross_track=0.5)], "record_every": 7, **PARTS}
     with_obstacles = simulate_batch(CURVE, scene=SCENE, **parts)
@@ -291,13 +349,11 @@ def test_mujoco_names_sliding():
 
     x = np.linspace(0, 12, 49)
     curve = Spline(points=tuple(zip(x, 0.8 * np.sin(2 * np.pi * x / 6), strict=True)))
-    with pytest.warns(UserWarning, match="may slide"):
-        run = simulate(
-            curve,
-            controller=CurvatureTracker(),
-            limits=Limits(speed=1.5),
-            plant=Mujoco(friction=0.2),
-        )
+    parts = {
+        "limits": Limits(speed=1.5), "plant": Mujoco(friction=0.2), "scene": Scene(corridor=0.1),
+    }  # fmt: skip
+    with pytest.warns(UserWarning, match="the robot may slide on a floor with the friction 0.2"):
+        run = simulate(curve, controller=CurvatureTracker(), **parts)
     assert run.verdict.kind == "left"
     assert run.verdict.reason == "slid"
     assert "slid" in run.verdict.sentence

@@ -86,7 +86,7 @@ def with_columns(run, change):
     columns = {name: np.array(values) for name, values in run.columns.items()}
     change(columns)
     return SimpleNamespace(
-        columns=columns, setup=run.setup, message=run.message, metrics=run.metrics, diverged=run.diverged
+        columns=columns, setup=run.setup, verdict=run.verdict, metrics=run.metrics, diverged=run.diverged
     )  # fmt: skip
 
 

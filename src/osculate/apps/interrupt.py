@@ -75,8 +75,8 @@ def _say() -> None:
 
 def _watch(signals: socket.socket, ended: threading.Event) -> None:
     with signals:
-        while signals.recv(1):
-            if not ended.wait(PATIENCE):
+        while number := signals.recv(1):  # of every signal that Python handles
+            if number[0] == signal.SIGINT and not ended.wait(PATIENCE):
                 remove_unfinished()
                 _say()
                 os._exit(EXIT_CODE)

@@ -18,9 +18,8 @@ class Contact(NamedTuple):
     obstacle: int  # its number in the scene, from 1
     kind: str  # of obstacle
     sample: int  # at which they touch first
-    penetration: (
-        float  # m, the deepest: how far it would have to be moved, without turning, to be free
-    )
+    #: m, the deepest: how far it would have to be moved, without turning, to be free
+    penetration: float
 
 
 def first_contact(
@@ -46,11 +45,14 @@ def first_contact(
 
     bodies = bodies_at(corners, x[touching], y[touching], heading[touching])
     shapes = [shapely.Polygon(obstacle.outline(start)) for obstacle in scene.obstacles]
-    number = int(np.argmax([shapely.intersects(shape, bodies[0]) for shape in shapes]))
-    with_it = touching[shapely.intersects(shapes[number], bodies)]
-    # a fixed grid of times: the same samples whoever recorded them
+    number = int(np.argmin(shapely.distance(shapes, bodies[0])))
+    touches = shapely.intersects(shapes[number], bodies)
+    touches[0] = True  # where rounding tells an obstacle from the union of all
+    with_it = touching[touches]
+    # a fixed grid of times: the same samples whoever recorded them; and how deep it is in the end
     cells = np.floor(time[with_it] / SPACING)
     kept = with_it[np.concatenate([[True], np.diff(cells) > 0.0])]
+    kept = np.union1d(kept, with_it[-1:])
     outline = scene.obstacles[number].outline(start)
     depth = max(penetration(outline, corners, x[n], y[n], heading[n]) for n in kept)
     return Contact(number + 1, scene.obstacles[number].kind, int(touching[0]), depth)

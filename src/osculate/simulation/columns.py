@@ -11,6 +11,7 @@ from osculate.simulation.blocks import Block, single_block
 from osculate.simulation.loop import Loop
 
 LANES = 64  # runs side by side in one block
+SAME = {"events.settled": "settled"}  # what two kernels read is one quantity
 
 
 def places_of(loop: Loop) -> dict[str, list[tuple[int, int]]]:
@@ -20,7 +21,7 @@ def places_of(loop: Loop) -> dict[str, list[tuple[int, int]]]:
         here = set(names(value))
         for row, name in enumerate(names(value)):
             if name.rpartition(".")[2] != "zero" and not _of_table(name, here):
-                places.setdefault(name, []).append((array, row))
+                places.setdefault(SAME.get(name, name), []).append((array, row))
     for row, name in enumerate(names(loop.initial.state)):
         places[f"initial.{name}"] = [(0, row)]
     if not loop.sampled:

@@ -11,10 +11,8 @@ READ = {  # what only one kind of law reads, and what the other does instead
     "target": "is for a law that follows speeds over time; a path tracker drives as limits=Limits(...) say",
     "limits": "are for a path tracker, which plans its speeds; this law drives at the speeds of its target",
 }
-YAWING = (
-    "yaw_rate_feedback",
-    "yaw_rate_amplitude",
-)  # parts of a disturbance on the yaw acceleration
+#: Parts of a disturbance on the yaw acceleration.
+YAWING = ("yaw_rate_feedback", "yaw_rate_amplitude")
 
 
 def require_read(given: Mapping[str, Any]) -> None:

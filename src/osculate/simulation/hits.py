@@ -72,10 +72,15 @@ class HitWatch:
         self._leaves = [leaves.index(leaf) for leaf in SEEN.values()]
         self._near = [_near(*placed) for placed in zip(setups, scenes, strict=True)]
         self._kept: list[list[Array]] = [[] for _ in setups]
+        self._last = np.empty((len(SEEN), len(setups)))
 
     def see(self, rows: Array) -> None:
-        """Look at rows of the record, shape (rows, leaves, lanes); more lanes than setups are ignored."""
+        """Look at rows of the record, shape (rows, leaves, lanes); more lanes than setups are ignored.
+
+        The last row that is seen is the one at the last instant, of every run at its own.
+        """
         seen = rows[:, self._leaves]
+        self._last = seen[-1] if len(seen) else self._last
         for lane, near in enumerate(self._near):
             columns = seen[:, :, lane]
             here = near(columns[:, 2], columns[:, 3])
@@ -84,14 +89,17 @@ class HitWatch:
 
     def hits(self) -> list[Hit | None]:
         """The first contact of every run."""
-        runs = zip(self._setups, self._scenes, self._kept, strict=True)
+        runs = zip(self._setups, self._scenes, self._kept, self._last.T, strict=False)
         return [_hit(*run) for run in runs]
 
 
-def _hit(setup: Placed, scene: Scene, kept: list[Array]) -> Hit | None:
+def _hit(setup: Placed, scene: Scene, kept: list[Array], last: Array) -> Hit | None:
     if not kept:
         return None
-    columns = dict(zip(SEEN, np.concatenate(kept).T, strict=True))
+    rows = np.concatenate([*kept, last[None]])
+    alive = rows[:, 0] < last[0]  # a lane goes on standing until all runs of its block have ended
+    alive[-1] = True
+    columns = dict(zip(SEEN, rows[alive].T, strict=True))
     clearance = clearance_of(setup, scene, columns)
     return find_hit(setup, scene, columns, clearance)
 

@@ -52,6 +52,7 @@ from osculate.simulation.records import (
     Thought,
 )
 from osculate.simulation.tally import empty_tally
+from osculate.simulation.verdict import NEAR
 from osculate.spec import Spec, quantity
 from osculate.target import Limits, Modified, Reference, SpeedPlan, Target, TargetMemory
 from osculate.target.speed import Begin, rests_at_end
@@ -60,7 +61,9 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
-ROLLED = 0.02  # m beyond the end, at which a robot that should have come to rest there rolls away
+ROLLED = (
+    NEAR + 1e-3
+)  # m beyond the end, at which a robot that should have come to rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
@@ -301,7 +304,12 @@ def _close_tracking(setup: Setup, law: PathTracker, tables: Tables) -> Loop:
     bindings = {"pilot": pilot.decide, "insight": pilot.insight, "stop": pilot.stop}
     loop = _assemble(setup, road.curve, start, pilot, parts, bindings, tables, plan)
     stuck = foreseen.caution(plan) if foreseen is not None else None
-    loop = replace(loop, caution=cautions(setup, checked_world(setup), plan, stuck))
+    world = checked_world(setup)
+    caution = tables.once(
+        ("caution", world.plant, begin, *task, ceiling, stuck),
+        lambda: cautions(setup, world, plan, stuck),
+    )
+    loop = replace(loop, caution=caution)
     if isinstance(law, ExternalTracker):
         return replace(loop, decide=law.decider(curve, road, loop.tables))
     return loop

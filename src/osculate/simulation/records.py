@@ -25,9 +25,7 @@ class Parameters(NamedTuple):
     curve: CurveTable
     delay: float  # steps between a command's decision and its effect (sampled clock)
     finish: float  # m, arc length at which the run is complete
-    path_end: (
-        float  # m, arc length of the nearest point at which a tracked run is over at any speed
-    )
+    path_end: float  # m, arc length of the nearest point at which a tracked run is over, moving
     deadline: float  # s, when the timetable of a static target is complete
     settled: float  # m, errors count from this arc length on
     speed_limit: float  # m/s, beyond which a run counts as diverged

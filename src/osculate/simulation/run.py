@@ -97,11 +97,6 @@ class Run:
         return bool(self.metrics.ended == "diverged")
 
     @property
-    def message(self) -> str:
-        """The verdict's sentence."""
-        return self.verdict.sentence
-
-    @property
     def interventions(self) -> "list[Intervention]":
         """What was done instead of what the law decided, in order."""
         return list_interventions(self.columns)

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 from osculate.kernel import Nothing, names
-from osculate.simulation.loop import BLANK
 from osculate.simulation.records import Row
 
 
@@ -84,7 +83,3 @@ def variables_of(row: Row) -> tuple[Variable, ...]:
     """The variables in the order of a row's leaves, which may go on with a zero that means nothing."""
     known = row if row.insight != Nothing() else row._replace(insight=())
     return tuple(VARIABLES[leaf] for leaf in names(known))
-
-
-#: The variables of every run.
-ROW = variables_of(BLANK)

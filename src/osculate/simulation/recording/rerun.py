@@ -26,9 +26,7 @@ def write_rerun(run: "Run", path: Path) -> Path:
     """
     rr = load_rerun()
     stream = rr.RecordingStream("osculate")
-    memory = (
-        stream.binary_stream()
-    )  # Rerun's own writer keeps errors, of a full disk say, to itself
+    memory = stream.binary_stream()  # Rerun's own writer keeps errors of the disk to itself
     _map(rr, stream, run)
     _series(rr, stream, run)
     path.write_bytes(memory.read())

@@ -72,9 +72,9 @@ class Kept:
             content = BytesIO(self._file(key).read_bytes())
             with np.load(content, allow_pickle=False) as found:  # a pickle runs what a file says
                 arrays = {name: found[name] for name in found.files}
-        except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
+        except (OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile):
             return None
-        if str(arrays.pop("key", "")) != key:
+        if np.ravel(arrays.pop("key", "")).tolist() != [key, *sorted(arrays)]:
             return None
         self.taken += 1
         return arrays
@@ -86,7 +86,7 @@ class Kept:
         file = self._file(key)
         try:
             with complete_file(file, durable=False) as temporary, temporary.open("wb") as stream:
-                np.savez(stream, key=np.array(key), **arrays)
+                np.savez(stream, key=np.array([key, *sorted(arrays)]), **arrays)
             self.made += 1
         except OSError as error:
             if not self.fails:

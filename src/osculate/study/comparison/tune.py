@@ -97,7 +97,8 @@ def tune(
         MissingExtra: The optimiser is not installed.
     """
     cma = import_extra("cma", "tune", "cma")
-    body, timing = Tricycle() if robot is None else robot, Sampled() if clock is None else clock
+    body = Tricycle() if robot is None else robot
+    timing = Sampled(period=0.01, delay=0.01) if clock is None else clock
     require_kind("controller", controller, PathTracker)
     require_kind("robot", body, Tricycle)
     require_kind("clock", timing, Sampled)
@@ -107,7 +108,7 @@ def tune(
     require_speeds(speeds)
     _require_search(generations, population, seed, report)
     paths = list(require_named("on", on, Curve, training_curves).values())
-    task = _Task(controller, body, clock, _cells(paths, speeds, starts), Kept.at(keep))
+    task = _Task(controller, body, timing, _cells(paths, speeds, starts), Kept.at(keep))
     low, high = (np.log([ranges[name][side] for name in ranges]) for side in (0, 1))
     begin = np.clip(np.log([getattr(controller, name) for name in ranges]), low, high)
     options = {"popsize": population, "seed": seed, "verbose": -9, "bounds": [0.0, 1.0]}
@@ -172,13 +173,12 @@ class _Task:
         self,
         law: PathTracker,
         robot: Tricycle,
-        clock: Sampled | None,
+        timing: Sampled,
         cells: list[Cell],
         kept: Kept | None,
     ) -> None:
         self.law, self.robot, self.cells, self.kept = law, robot, cells, kept
         longest = max(plan_speed(path, robot, bound).duration for path, bound, *_ in cells)
-        timing = clock or Sampled(period=0.01, delay=0.01)
         given = "duration" in timing.model_fields_set
         self.clock = timing if given else timing.but(duration=PATIENCE * longest + 5.0)
 

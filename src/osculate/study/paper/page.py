@@ -31,7 +31,14 @@ def page(made: "Reproduction", figures: list[Path]) -> str:
     """The page as HTML; the figures are written into it."""
     evidence = made.evidence
     cases = "\n".join(
-        _row([CASES[name].meaning, f"{rms(run):.3g} m", f"{made.halved[name]:.3g} m", run.message])
+        _row(
+            [
+                CASES[name].meaning,
+                f"{rms(run):.3g} m",
+                f"{made.halved[name]:.3g} m",
+                run.verdict.sentence,
+            ]
+        )
         for name, run in evidence.runs.items()
     )
     return _PAGE.format(

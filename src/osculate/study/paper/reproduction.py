@@ -60,7 +60,10 @@ class Reproduction:
             "provenance": provenance(self.interpretation),
             "claims": [asdict(row) for row in self.rows],
             "experiments": [
-                {"name": name, "rms": rms(run), "rms_half_step": self.halved[name], "ending": run.message}
+                {
+                    "name": name, "rms": rms(run), "rms_half_step": self.halved[name],
+                    "ending": run.verdict.sentence,
+                }
                 for name, run in runs.items()
             ],
             "readings": [row._asdict() for row in self.evidence.readings],

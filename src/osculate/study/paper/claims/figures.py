@@ -24,7 +24,8 @@ def figure_claims(evidence: Evidence) -> list[Claim]:
 
 def ending(run: Run) -> str:
     """How a run ended, as a sentence."""
-    return f"{run.message[0].upper()}{run.message[1:]}."
+    sentence = run.verdict.sentence
+    return f"{sentence[0].upper()}{sentence[1:]}."
 
 
 def _undisturbed(evidence: Evidence) -> list[Claim]:

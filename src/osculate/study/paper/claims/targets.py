@@ -11,7 +11,6 @@ from osculate.study.paper.measures import rms
 from osculate.target import Exponential
 
 EXACT = 1e-6  # m, rms error of an undisturbed run that counts as exact
-HELD = 0.02  # m, the paper's own bound for "accurately"
 
 
 def target_claims(evidence: Evidence) -> list[Claim]:
