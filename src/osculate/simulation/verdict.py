@@ -166,29 +166,29 @@ def judge(o: Outcome, hit: Hit | None = None) -> Verdict:
         hit: The first contact with an obstacle.
     """
     end, event = _ending(o), o.first
-    if hit is not None and not (event.kind and event.time < hit.time):
-        words = f"hit obstacle {hit.obstacle} ({hit.kind}) {_where(hit)}, {_length(hit.penetration)} deep"
+    mishap = f"{_mishap(o)} {_where(event)}" if event.kind else ""
+    on_the_way = end.kind is VerdictKind.DIVERGED and not event.slid
+    if hit is not None and (not mishap or on_the_way or hit.time <= event.time):
         return Verdict(
-            VerdictKind.HIT, _then(words, hit.time, o, end), hit.place, hit.x, hit.y, hit.time,
+            VerdictKind.HIT, _then(_contact(hit), hit.time, o, end), hit.place, hit.x, hit.y, hit.time,
             obstacle=hit.obstacle, penetration=hit.penetration,
         )  # fmt: skip
-    words = f"{_mishap(o)} {_where(event)}" if event.kind else ""
-    if words and end.kind is VerdictKind.DIVERGED and not event.slid:
-        sentence = f"{end.sentence}; before that it {words}"
+    if mishap and on_the_way:
+        sentence = f"{end.sentence}; before that it {mishap}"
         return Verdict(end.kind, sentence, o.place, o.x, o.y, o.time, end.reason)
-    if words:
+    if mishap:
         reason = "slid" if event.slid else ""
         kind = VerdictKind.REVERSED if event.kind == REVERSED else VerdictKind.LEFT
-        return Verdict(
-            kind,
-            _then(words, event.time, o, end),
-            event.place,
-            event.x,
-            event.y,
-            event.time,
-            reason,
-        )
+        words = f"{mishap}; it then {_contact(hit)}" if hit else mishap
+        sentence = _then(words, event.time, o, end)
+        return Verdict(kind, sentence, event.place, event.x, event.y, event.time, reason)
     return Verdict(end.kind, end.sentence, o.place, o.x, o.y, o.time, end.reason)
+
+
+def _contact(hit: Hit) -> str:
+    """What was hit, where and how deep."""
+    deep = _length(hit.penetration)
+    return f"hit obstacle {hit.obstacle} ({hit.kind}) {_where(hit)}, {deep} deep"
 
 
 def _ending(o: Outcome) -> _End:
