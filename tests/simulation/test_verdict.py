@@ -280,6 +280,7 @@ def test_a_safety_stop_says_why():
     assert run.verdict.kind == "stopped"
     assert "the steering does not obey" in run.verdict.reason
     assert run.verdict.reason in run.verdict.sentence
+    assert str(run.verdict).count("stopped") == 1
 
 
 def test_mujoco_names_sliding():
@@ -288,9 +289,9 @@ def test_mujoco_names_sliding():
 
     x = np.linspace(0, 12, 49)
     curve = Spline(points=tuple(zip(x, 0.8 * np.sin(2 * np.pi * x / 6), strict=True)))
-    run = simulate(
-        curve, controller=CurvatureTracker(), limits=Limits(speed=1.5), plant=Mujoco(friction=0.2)
-    )
+    slick = Mujoco(friction=0.2)
+    with pytest.warns(UserWarning, match="the robot may slide"):
+        run = simulate(curve, controller=CurvatureTracker(), limits=Limits(speed=1.5), plant=slick)
     assert run.verdict.kind == "left"
     assert run.verdict.reason == "slid"
     assert "slid" in run.verdict.sentence
