@@ -7,11 +7,13 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from rich.console import Console
 
 from osculate import Comparison, Continuous, Cycloid, simulate
 from osculate.apps import terminal
@@ -143,3 +145,12 @@ def test_a_scenario_with_names_that_look_like_markup(tmp_path):
     assert name in " ".join(done.stdout.split())  # the title may be broken into lines
     assert f"Report: {folder / 'report.html'}" in done.stdout
     assert f"<h1>{html.escape(name)}</h1>" in Path(folder / "report.html").read_text("utf-8")
+
+
+def test_a_table_shows_names_whole_in_80_columns():
+    names = ["curvature-tracker", "lqr-preview"]
+    header = ["controller", *["a column of figures"] * 5]
+    with mock.patch.object(terminal, "out", Console(width=80)), terminal.out.capture() as got:
+        terminal.print_table([header, *([name, *["0.0005032"] * 5] for name in names)])
+    assert all(f"│ {name} " in got.get() for name in names)
+    assert "…" not in got.get()

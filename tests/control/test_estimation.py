@@ -197,6 +197,8 @@ def test_the_stepper_is_the_engines_pilot():
 def test_what_is_measured_has_to_fit():
     with pytest.raises(InvalidInput, match="must be a Measurement"):
         Stepper(CurvatureTracker(), CURVES["slalom"], estimator=Ekf()).step(Motion(*[0.0] * 6))
+    with pytest.raises(InvalidInput, match=r"measured = None: must be a Motion"):
+        Stepper(CurvatureTracker(), CURVES["slalom"]).step(None)
     with pytest.raises(InvalidInput, match="needs sensors"):
         simulate(CURVES["slalom"], controller=CurvatureTracker(), estimator=Ekf())
     with pytest.raises(InvalidInput, match="needs a path tracker"):

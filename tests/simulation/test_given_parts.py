@@ -32,6 +32,7 @@ from osculate import (
     simulate,
 )
 from osculate.plant import Slip, world_of
+from osculate.simulation.physics import _metrics
 from osculate.simulation.run import make_setup
 from osculate.study.scenario import Scenario
 
@@ -67,6 +68,22 @@ def test_errors_count_from_a_place_on_the_curve(extra):
     with pytest.raises(InvalidInput, match=r"initial\.settled.*must be below the curve's length"):
         beyond.on(WAVE)
     InitialState(settled=0.999 * WAVE.length).on(WAVE)
+
+
+def test_errors_of_which_none_counts_are_not_known():
+    """A run that ends before `settled` was not exact: nobody looked."""
+    clock = Continuous(duration=0.2)
+    for settled, known in ((0.0, True), (3.0, False)):
+        run = simulate(Cycloid.over(), initial=InitialState(settled=settled), clock=clock)
+        columns = {
+            **run.columns, "foot": np.zeros(len(run.columns["time"])),
+        }  # fmt: skip
+        for metrics in (run.metrics, _metrics(run.setup, columns, None, "time")):
+            for name in (
+                "cross_track_rms", "cross_track_max", "heading_error_rms", "heading_error_max",
+            ):  # fmt: skip
+                assert math.isfinite(getattr(metrics, name)) == known, name
+            assert math.isfinite(metrics.energy)
 
 
 def test_the_natural_profile_is_one_of_heading_for_the_modified_target():

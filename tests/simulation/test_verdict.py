@@ -343,6 +343,7 @@ def test_a_safety_stop_says_why():
     assert run.verdict.kind == "stopped"
     assert "the steering does not obey" in run.verdict.reason
     assert run.verdict.reason in run.verdict.sentence
+    assert str(run.verdict).count("stopped") == 1
 
 
 def test_mujoco_names_sliding():

@@ -63,7 +63,7 @@ def test_what_is_not_known_is_null_in_json_and_a_word_on_the_page(folder, run):
     for path in folder.glob("*.json"):
         json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
     assert json.loads((folder / "metrics.json").read_text(encoding="utf-8"))["energy"] is None
-    assert "<td>not finite</td>" in (folder / "report.html").read_text(encoding="utf-8")
+    assert "<td>not known</td>" in (folder / "report.html").read_text(encoding="utf-8")
 
 
 def test_the_written_scenario_can_be_run_again(folder, scenario):

@@ -51,7 +51,10 @@ def tell_verdict(verdict: object, console: Console, *, good: bool) -> None:
 def print_table(rows: list[list[str]]) -> None:
     """Print rows, the header first."""
     header, *body = rows
-    table = Table(*(Column(Text(shown(name))) for name in header), header_style="bold")
+    columns = (
+        Column(Text(shown(name)), overflow="fold", no_wrap=n == 0) for n, name in enumerate(header)
+    )
+    table = Table(*columns, header_style="bold")
     for row in body:
         table.add_row(*(Text(shown(cell)) for cell in row))
     out.print(table)

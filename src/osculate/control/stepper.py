@@ -122,9 +122,9 @@ class Stepper:
         Raises:
             InvalidInput: The other kind of measurement, or a value that is no number.
         """
-        if isinstance(measured, Measurement) != self._estimates:
-            wanted = "Measurement" if self._estimates else "Motion"
-            raise InvalidInput("measured", measured, f"must be a {wanted}")
+        wanted = Measurement if self._estimates else Motion
+        if not isinstance(measured, wanted):
+            raise InvalidInput("measured", measured, f"must be a {wanted.__name__}")
         self._measured[:, 0] = _numbers(measured)
         if stop:
             self.stop()

@@ -55,17 +55,19 @@ def summarise(final: Progress, last: Row, length: Any, end: tuple[Any, Any]) -> 
         last: Their last rows, likewise.
         length: Length of the curve (m), one or one for every run.
         end: Where the curve ends (m), likewise.
+
+    The errors of a run that ended before the arc length from which they count are not known: NaN.
     """
     tally = final.tally
-    samples = np.maximum(tally.counted, 1.0)
+    samples = np.where(tally.counted > 0.0, tally.counted, np.nan)
     return Metrics(
         path_length=np.broadcast_to(length, np.shape(samples)),
         travelled=last.arc_length,
         duration=final.status.time,
         cross_track_rms=np.sqrt(tally.cross_track_squares / samples),
-        cross_track_max=tally.cross_track_max,
+        cross_track_max=np.where(tally.counted > 0.0, tally.cross_track_max, np.nan),
         heading_error_rms=np.sqrt(tally.heading_error_squares / samples),
-        heading_error_max=tally.heading_error_max,
+        heading_error_max=np.where(tally.counted > 0.0, tally.heading_error_max, np.nan),
         clearance_min=None,
         speed_max=tally.speed_max,
         steering_angle_max=tally.steering_angle_max,

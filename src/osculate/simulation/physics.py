@@ -233,7 +233,10 @@ def _metrics(
     setup: Setup, c: dict[str, NDArray[np.float64]], clearance: Any, ended: str
 ) -> Metrics:
     counts = c["foot"] >= setup.initial.settled
-    off, turned = (np.where(counts, c[n], 0.0) for n in ("cross_track_error", "heading_error"))
+    uncounted = 0.0 if counts.any() else np.nan
+    off, turned = (
+        np.where(counts, c[n], uncounted) for n in ("cross_track_error", "heading_error")
+    )
     samples = max(int(counts.sum()), 1)
     end = setup.curve.at(setup.curve.length)
     step = float(setup.clock.step)

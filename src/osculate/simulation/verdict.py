@@ -202,7 +202,7 @@ def _ending(o: Outcome) -> _End:
     if o.code == DIVERGED:
         return _diverged(o, slid)
     if o.code == STOPPED:
-        why = _intervention(o, o.stop)
+        why = _intervention(o, o.stop).removeprefix("stopped: ")
         return _End(VerdictKind.STOPPED, f"ended at standstill {_where(o)}: {why}", why)
     if abs(o.cross_track) >= o.half_width:
         off = f"{_length(abs(o.cross_track))} off the path"

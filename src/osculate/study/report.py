@@ -33,8 +33,8 @@ def metric_rows(metrics: Metrics) -> list[tuple[str, str]]:
 
 def _with_unit(value: float, unit: str) -> str:
     if not np.isfinite(value):
-        return "not finite"
-    if unit == "m" and abs(value) < 1.0:
+        return "not known" if np.isnan(value) else "not finite"
+    if unit == "m" and 0.0 < abs(value) < 1.0:
         factor, small = readable(abs(value))
         return f"{value * factor:.4g} {small}"
     if unit in ("rad", "rad/s"):
@@ -148,7 +148,7 @@ def _plot(traces: list[Trace], x: str, y: str, **layout: Any) -> dict[str, Any]:
             "xaxis": {"title": {"text": x}, "zeroline": False},
             "yaxis": {"title": {"text": y}, "zeroline": False},
             "margin": {"l": 70, "r": 20, "t": 10, "b": 50},
-            "legend": {"orientation": "h", "y": 1.08},
+            "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom"},
             "hovermode": "x unified",
             **layout,
         },
@@ -160,8 +160,11 @@ def _path_plot(run: "Run", column: dict[str, Any]) -> dict[str, Any]:
     point = curve.at(np.linspace(0.0, curve.length, 601))
     start = (float(point.x[0]), float(point.y[0]))
     traces = [
-        _filled(o.outline(start), "obstacle", "rgba(120,126,135,0.35)", GREY)
-        for o in run.scene.obstacles
+        {
+            **_filled(o.outline(start), "obstacle", "rgba(120,126,135,0.35)", GREY),
+            "showlegend": n == 0,
+        }
+        for n, o in enumerate(run.scene.obstacles)
     ]
     traces += [
         _line(point.x, point.y, "target curve", ORANGE, width=5.0),
@@ -178,7 +181,6 @@ def _path_plot(run: "Run", column: dict[str, Any]) -> dict[str, Any]:
         "x (m)",
         "y (m)",
         hovermode="closest",
-        height=520,
     )
     plot["layout"]["yaxis"].update(scaleanchor="x", scaleratio=1)
     return plot

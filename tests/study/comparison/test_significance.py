@@ -41,6 +41,14 @@ def test_pairs_tell_better_from_worse_though_curves_differ(factor, word):
     assert "95 % CI" in pair.sentence
 
 
+def test_a_stop_before_errors_count_has_no_largest_error():
+    early = cell("ours", "a", 1, math.nan, ended="safety stop")
+    for others, bound in (([], "1 of 1 stopped"), ([2e-3], "2 of 2 stopped, ≤ 6 mm")):
+        late = [cell("ours", "a", 2, rms, ended="safety stop") for rms in others]
+        for cells in ([early, *late], [*late, early]):
+            assert condition_table(Comparison(cells, {}, {}), "ours")[1] == ["noisy", bound]
+
+
 def test_the_interval_covers_the_truth_as_often_as_it_says():
     hits = 0
     for seed in range(200):

@@ -2,6 +2,7 @@
 
 import base64
 import html
+import math
 import re
 from collections.abc import Iterable
 from functools import partial
@@ -89,10 +90,10 @@ def ranking_table(comparison: Comparison) -> list[list[str]]:
         rows.append(
             [
                 s.controller,
-                f"{1e3 * s.cross_track_rms:.4g}",
-                f"{1e3 * s.cross_track_max:.4g}",
+                _known(1e3 * s.cross_track_rms, ".4g"),
+                _known(1e3 * s.cross_track_max, ".4g"),
                 str(s.failures),
-                "1" if place == 0 else f"{s.ratio:.3g}",
+                "1" if place == 0 else _known(s.ratio, ".3g"),
                 "–" if place == 0 else f"{s.wins} of {s.cells} cells",
             ]
         )
@@ -113,11 +114,16 @@ def cell_table(comparison: Comparison) -> list[list[str]]:
 def _cell_row(c: dict[str, Any]) -> list[str]:
     return [
         c["controller"], c["curve"], f"{c['speed']:g}", c["start"], c["plant"], str(c["seed"]),
-        f"{1e3 * c['cross_track_rms']:.4g}", f"{1e3 * c['cross_track_max']:.4g}",
-        f"{np.degrees(c['heading_error_rms']):.3g}", f"{c['duration']:.2f}",
+        _known(1e3 * c["cross_track_rms"], ".4g"), _known(1e3 * c["cross_track_max"], ".4g"),
+        _known(np.degrees(c["heading_error_rms"]), ".3g"), f"{c['duration']:.2f}",
         f"{c['steering_travel']:.2f}", f"{c['torque_travel']:.1f}", f"{c['energy']:.0f}",
         verdict_text(c),
     ]  # fmt: skip
+
+
+def _known(value: float, form: str) -> str:
+    """A number, or a dash for one that is not known."""
+    return "–" if math.isnan(value) else format(value, form)
 
 
 def verdict_text(cell: dict[str, Any]) -> str:

@@ -135,7 +135,9 @@ def _entry(cells: list[dict[str, Any]], pair: PairedComparison | None) -> str:
     stopped = [cell["cross_track_max"] for cell in cells if cell["ended"] == "safety stop"]
     text = f"{1e3 * float(np.mean(alive)):.3g}" if alive else "–"
     if stopped:
-        return f"{len(stopped)} of {len(cells)} stopped, ≤ {1e3 * max(stopped):.0f} mm"
+        known = [largest for largest in stopped if not math.isnan(largest)]
+        bound = f", ≤ {1e3 * max(known):.0f} mm" if known else ""
+        return f"{len(stopped)} of {len(cells)} stopped{bound}"
     if pair is not None and pair.cells > 1:
         text += {"better": " +", "worse": " −", "equal": " ="}[pair.word]
     return f"{text} ({failed} of {len(cells)} failed)" if failed else text
