@@ -127,7 +127,10 @@ class OutputFolder:
             return {}
 
     def _record(self, names: set[str]) -> None:
-        found = {**self._recorded(), self.kind: sorted(names)}
+        others = {
+            kind: [n for n in own if n not in names] for kind, own in self._recorded().items()
+        }
+        found = {**others, self.kind: sorted(names)}
         write_text(self.path / RECORD, strict_json(found, indent=1) + "\n", durable=False)
 
     def _say_what_is_missing(self, kind: type[BaseException] | None) -> None:
