@@ -219,7 +219,8 @@ def test_a_killed_comparison_goes_on_from_where_it_was(tmp_path):
     assert f"Taken over: {there} of 2 cells, kept in: {cells}" in done.stdout.replace("\n", "")
     assert len(json.loads((tmp_path / "out" / "comparison.json").read_text())) == 2
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        ".osculate.json", "cells", "comparison.html", "comparison.json", "comparison.parquet", "comparison-corner.png",
+        ".osculate.json", "cells", "comparison.html", "comparison.json", "comparison.parquet",
+        "comparison-corner.png",
     }  # fmt: skip
     assert len([*cells.iterdir()]) == 2
 
