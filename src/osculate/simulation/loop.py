@@ -60,7 +60,7 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
-ROLLED = 0.02  # m beyond the end, at which a robot that should have come to rest there rolls away
+ROLLED = 0.03  # m beyond the end, at which a robot that should rest there rolls away: beyond `verdict.NEAR`
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 
