@@ -194,3 +194,14 @@ def test_who_has_waited_marks_the_folder_again(tmp_path):
         assert "is being written by another process" in other.stderr.readline()
     assert other.communicate()[0] == "True\n"
     assert MARK not in contents(tmp_path)
+
+
+def test_what_another_kind_has_written_meanwhile_is_not_removed(tmp_path):
+    """The last to write a name owns it."""
+    write(tmp_path, "a.png", "b.png", kind="run", content="run")
+    write(tmp_path, "a.png", "c.png", kind="comparison", content="comparison")
+    write(tmp_path, "b.png", kind="run", content="run")
+    assert contents(tmp_path) == {"a.png", "b.png", "c.png"}
+    assert (tmp_path / "a.png").read_text() == "comparison"
+    write(tmp_path, "c.png", kind="comparison")
+    assert contents(tmp_path) == {"b.png", "c.png"}

@@ -58,6 +58,12 @@ def require_kind(field: str, value: object, kind: type) -> None:
         raise InvalidInput(field, value, f"must be a {kind.__name__}")
 
 
+def uncomputable(field: str, value: object, error: Exception) -> InvalidInput:
+    """What is said of values with which arithmetic fails: no number is that large or that small."""
+    message = f"is too large, too small or too unequal to compute with ({error})"
+    return InvalidInput(field, value, message)
+
+
 def choose(field: str, name: str, known: Mapping[str, T]) -> T:
     """What ``name`` stands for among ``known``.
 

@@ -96,6 +96,14 @@ def write_by(writer: Callable[[Path], object], path: str | Path) -> Path:
     return Path(path)
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no error for what can be no path."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long, a null character
+        return False
+
+
 def check_folder(field: str, path: Path) -> None:
     """Make sure, before long work, that a folder is there or can be made, and has room.
 

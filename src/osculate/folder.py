@@ -136,9 +136,10 @@ class OutputFolder:
             return {}
 
     def _record(self, names: set[str], begun: set[str]) -> None:
-        found = {**self._recorded(), self.kind: sorted(names)}
-        found.pop(BEGUN, None)
-        found |= {BEGUN: sorted(begun)} if begun else {}
+        known = self._recorded()
+        known.pop(BEGUN, None)
+        others = {kind: [n for n in own if n not in names] for kind, own in known.items()}
+        found = {**others, self.kind: sorted(names), **({BEGUN: sorted(begun)} if begun else {})}
         write_text(self.path / RECORD, strict_json(found, indent=1) + "\n", durable=False)
 
     def _say_who_has_not_finished(self) -> None:

@@ -12,7 +12,13 @@ from typing import Any, ClassVar, Self, get_args
 import pydantic
 from pydantic import BaseModel, ConfigDict, Field
 
-from osculate.errors import InvalidInput, InvalidScenario, NoSolution, OsculateError
+from osculate.errors import (
+    InvalidInput,
+    InvalidScenario,
+    NoSolution,
+    OsculateError,
+    uncomputable,
+)
 
 
 def quantity(unit: str, meaning: str, **field: Any) -> Any:
@@ -49,6 +55,8 @@ class Spec(BaseModel):
         """``true`` is no 1: refuse it where a number is meant, in lists too."""
         for name, field in cls.model_fields.items() if isinstance(given, dict) else ():
             value = given.get(name)
+            if _holds_nameless(value):
+                raise InvalidInput(name, value, "must have names of fields, which are texts")
             if _holds_truth(value) and not _mentions(field.annotation, bool):
                 raise InvalidInput(name, value, "is no number but a truth value")
         return given
@@ -58,6 +66,8 @@ class Spec(BaseModel):
             super().__init__(**fields)
         except pydantic.ValidationError as error:
             raise explain(error, type(self)) from None
+        except ArithmeticError as error:
+            raise uncomputable(type(self).__name__, fields, error) from error
 
     @classmethod
     def parse(cls, fields: Mapping[str, Any]) -> Self:
@@ -110,6 +120,13 @@ class Spec(BaseModel):
 def _mentions(annotation: Any, kind: type) -> bool:
     """Whether a type is this one or one of its arguments is."""
     return annotation in (kind, Any) or any(_mentions(part, kind) for part in get_args(annotation))
+
+
+def _holds_nameless(value: Any) -> bool:
+    """Whether a mapping in it has a key that is no text, and so no name of a field."""
+    if isinstance(value, (list, tuple)):
+        return any(map(_holds_nameless, value))
+    return isinstance(value, Mapping) and not all(isinstance(key, str) for key in value)
 
 
 def _holds_truth(value: Any) -> bool:

@@ -171,3 +171,15 @@ def test_a_speed_that_is_not_known_drives_nothing(curve, kind, begin):
     assert not faults_of(watch)
     backwards = -0.01 * sum(speed for speed in slowest if speed < 0.0)
     assert backwards < 0.01  # m
+
+
+@pytest.mark.parametrize("fix", [5, "x", (1.0,), (1.0, 2.0, 3.0, 0.0, 9.0), ("a", 0.0, 0.0, 0.0)])
+def test_a_stop_is_asked_for_whatever_is_measured(fix):
+    """What is no measurement is refused in words; the stop that came with it is kept."""
+    case = case_of("curvature-tracker", True, True)
+    good = Senses(case.begin(), Random(3)).measure()
+    with pytest.raises(InvalidInput, match="must hold numbers"):
+        case.stepper.step(good._replace(fix=fix), stop=True)
+    case.stepper.step(good)
+    assert case.stepper.stopping
+    assert "from outside" in case.stepper.message

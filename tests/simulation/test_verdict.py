@@ -381,3 +381,17 @@ def test_wheels_slide_when_they_move_over_the_ground(speed, angle, heading, slip
     along = motion._replace(speed=0.0, yaw_rate=0.0, steering_angle=0.0)
     assume(abs(abs(speed) - 0.15) > 1e-6)
     assert slides.py_func(STEP, along, 0.0, 0.0, LANE) == (abs(speed) > 0.15)  # blocked wheels
+
+
+@pytest.mark.filterwarnings("ignore:the robot may slide")
+def test_a_robot_that_rolls_past_the_end_has_left_the_path():
+    """It is clearly beyond what counts as reached: rounding does not decide."""
+    run = simulate(
+        Line(distance=800.0),
+        controller=CurvatureTracker(),
+        limits=Limits(speed=30.0, acceleration=5.0, deceleration=5.0),
+        clock=Sampled(period=0.05, delay=0.05, step=0.05, duration=600.0),
+    )
+    assert run.columns["speed"][-1] > 1.0
+    assert run.verdict.kind is VerdictKind.LEFT
+    assert run.verdict.reason == "ran past the end"

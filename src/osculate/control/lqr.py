@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm, solve_continuous_are, solve_sylvester
 
+from osculate.errors import NoSolution
 from osculate.target.contract import SampledYaw
 
 Matrix = NDArray[np.float64]
@@ -34,11 +35,23 @@ def regulator(a: Matrix, b: Matrix, q: Matrix, r: float) -> Regulator:
         b: Input vector, shape (n,).
         q: State weight, shape (n, n), positive semidefinite.
         r: Input weight, > 0.
+
+    Raises:
+        NoSolution: Numbers of too many orders of magnitude.
     """
-    column = b.reshape(-1, 1)
-    riccati = solve_continuous_are(a, column, q, np.array([[r]]))
-    weight = b / r
-    gain = weight @ riccati
+    try:
+        with np.errstate(all="ignore"):
+            riccati = solve_continuous_are(a, b.reshape(-1, 1), q, np.array([[r]]))
+            weight = b / r
+            gain = weight @ riccati
+    except ValueError:  # of it a LinAlgError is one
+        gain = np.array([np.nan])
+    if not np.isfinite(gain).all():
+        weights = ", ".join(f"{w:.3g}" for w in (*np.diag(q), r))
+        raise NoSolution(
+            f"no regulator for weights of {weights} and an input gain of {np.abs(b).max():.3g}: they "
+            "differ by too many orders of magnitude"
+        )
     return Regulator(gain, riccati, a - np.outer(b, gain), weight)
 
 

@@ -122,12 +122,12 @@ class Stepper:
         Raises:
             InvalidInput: The other kind of measurement, or a value that is no number.
         """
+        if stop:  # first: whatever was measured, a stop that is asked for is one
+            self.stop()
         wanted = Measurement if self._estimates else Motion
         if not isinstance(measured, wanted):
             raise InvalidInput("measured", measured, f"must be a {wanted.__name__}")
         self._measured[:, 0] = _numbers(measured)
-        if stop:
-            self.stop()
         self._engine.step_block(
             self._memory, self._parameters, self._measured, self._out, self.tables
         )
@@ -274,11 +274,10 @@ def _slots(period: float, delay: float) -> int:
 
 def _numbers(measured: Motion | Measurement) -> list[float]:
     """The leaves of a measurement; what is missing is NaN."""
-    if isinstance(measured, Measurement):
-        values = [*measured[:4], *(NO_FIX if measured.fix is None else Fix(*measured.fix))]
-    else:
-        values = [*measured]
     try:
+        values = [*measured]
+        if isinstance(measured, Measurement):
+            values[4:] = NO_FIX if measured.fix is None else Fix(*measured.fix)
         return [math.nan if value is None else float(value) for value in values]
     except (TypeError, ValueError, OverflowError):
         raise InvalidInput("measured", measured, "must hold numbers, NaN or None") from None

@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from osculate.curve.contract import Curve, CurvePoint
-from osculate.errors import NoSolution
+from osculate.errors import InvalidInput, NoSolution
 from osculate.spec import quantity
+
+FLATTEST = 1e-6  # (h + ĥ) / D, below which 1 + cos β has lost most of its digits
 
 
 class Cycloid(Curve):
@@ -37,6 +39,12 @@ class Cycloid(Curve):
                 f"2/π = {2.0 / math.pi:.4g}; increase distance above "
                 f"{(self.height + self.margin) * math.pi / 2.0:.4g} m or lower height or margin"
             )
+        if self._slope < FLATTEST:
+            most = (self.height + self.margin) / FLATTEST
+            raise InvalidInput(
+                "distance", self.distance, f"must be at most {most:.4g} m, or raise height or margin: "
+                "so flat a cycloid cannot be told from a line",
+            )  # fmt: skip
         return self
 
     @classmethod

@@ -23,6 +23,7 @@ from osculate.curve.waypoints import (
     distinct,
     merge,
     require_forward,
+    require_measure,
     steps_of,
 )
 from osculate.errors import InvalidInput
@@ -70,7 +71,11 @@ class Spline(Sampled):
     points: Points = quantity("m", "waypoints (x, y), at least two different ones")
     loop: bool = quantity("1", "whether the last point leads back to the first", default=False)
     tolerance: float = quantity(
-        "m", "largest distance from the points; 0 goes through all of them", default=0.0, ge=0
+        "m",
+        "largest distance from the points; 0 goes through all of them",
+        default=0.0,
+        ge=0,
+        le=1e6,
     )
 
     @field_validator("points")
@@ -80,8 +85,9 @@ class Spline(Sampled):
         if not np.isfinite(array).all():
             where = int((~np.isfinite(array).all(axis=1)).argmax())
             raise ValueError(f"must be finite everywhere; point {where} is {points[where]}")
-        if len(distinct(array)) < 2:
+        if len(array) < 2 or len(distinct(array)) < 2:
             raise ValueError("must be at least two different points")
+        require_measure(array)
         return points
 
     @property

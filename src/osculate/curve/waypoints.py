@@ -13,6 +13,8 @@ from osculate.errors import InvalidInput
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+FARTHEST_PLACE = 1e11  # m, where doubles resolve 0.02 mm
+SMALLEST = 1e-9  # m, extent of a path
 DUPLICATE = 1e-9  # of the whole extent: points closer than this are one
 NEAR = 0.02  # of both neighbouring steps: a step shorter than this joins one point with itself
 END = 0.1  # of the next step: what a step at an end of the list is compared with
@@ -43,6 +45,19 @@ def turns_of(points: Array) -> Array:
     way = np.diff(points, axis=0) @ np.array([1.0, 1.0j])
     angles: Array = np.angle(way[1:] * way[:-1].conj())
     return angles
+
+
+def require_measure(points: Array) -> None:
+    """Points that arithmetic can tell apart and hold.
+
+    Raises:
+        ValueError: One of them is too far away, or all are nearly in one place.
+    """
+    far = np.abs(points).max(axis=1) > FARTHEST_PLACE
+    if far.any():
+        raise ValueError(f"must be at most {FARTHEST_PLACE:g} m away; point {far.argmax()} is not")
+    if np.ptp(points, axis=0).max() < SMALLEST:
+        raise ValueError(f"must extend over at least {SMALLEST:g} m")
 
 
 def distinct(points: Array) -> Array:

@@ -61,9 +61,7 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
-ROLLED = (
-    NEAR + 1e-3
-)  # m beyond the end, at which a robot that should have come to rest there rolls away
+ROLLED = NEAR + 1e-3  # m beyond the end, at which a robot that should rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
 

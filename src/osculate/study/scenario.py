@@ -13,8 +13,9 @@ from osculate.control.safety import foresee
 from osculate.control.tracking import AnyTracker, PathTracker
 from osculate.curve import AnyCurve, Cycloid
 from osculate.curve.files.documents import load_yaml
+from osculate.curve.files.source import read_text
 from osculate.errors import InvalidInput, choose
-from osculate.files import write_text
+from osculate.files import check_file, is_file, write_text
 from osculate.plant import Actuated, AnyFault, AnyPlant, Disturbance, Mujoco, Reduced, Sensors, Slip
 from osculate.scene import Scene
 from osculate.simulation import AnyClock, Continuous, InitialState, Run, Sampled, simulate
@@ -145,8 +146,8 @@ def built_in() -> dict[str, str]:
 
 def _text(source: str) -> tuple[str, str]:
     path = Path(source)
-    if path.is_file():
-        return path.read_text(encoding="utf-8"), source
+    if is_file(path):
+        return read_text(path).content, source
     known = built_in()
     if source in known:
         return known[source], source
@@ -186,7 +187,7 @@ def _with_folder(fields: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(curve, Mapping) or not isinstance(curve.get("path"), str):
         return fields
     beside = folder / curve["path"]
-    return {**fields, "curve": {**curve, "path": str(beside)}} if beside.is_file() else fields
+    return {**fields, "curve": {**curve, "path": str(beside)}} if is_file(beside) else fields
 
 
 def _with_obstacle(fields: dict[str, Any]) -> dict[str, Any]:
@@ -195,7 +196,8 @@ def _with_obstacle(fields: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(curve, Mapping) or curve.get("kind") != "cycloid":
         return fields
     obstacles = scene.get("obstacles", ()) if isinstance(scene, Mapping) else ()
-    walls = [o for o in obstacles if isinstance(o, Mapping) and o.get("kind", "wall") == "wall"]
+    listed = obstacles if isinstance(obstacles, list) else ()
+    walls = [o for o in listed if isinstance(o, Mapping) and o.get("kind", "wall") == "wall"]
     if not walls:
         return fields
     sizes = {name: walls[0][name] for name in ("distance", "height") if name in walls[0]}
@@ -208,6 +210,7 @@ def write_template(path: Path) -> list[Path]:
     Raises:
         InvalidInput: The file exists already, or cannot be written.
     """
+    check_file("path", path)
     if path.exists():
         raise InvalidInput("path", str(path), "exists already; give another name")
     text = files("osculate.study").joinpath("template.yaml").read_text(encoding="utf-8")

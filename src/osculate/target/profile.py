@@ -119,7 +119,9 @@ class Exponential(Profile):
     """
 
     kind: Literal["exponential"] = "exponential"
-    decay: float = quantity("1/s", "decay rate γ; the peak is at t = 1/γ", default=0.5, gt=0)
+    decay: float = quantity(
+        "1/s", "decay rate γ; the peak is at t = 1/γ", default=0.5, gt=0, le=1e6
+    )
     amplitude: float | None = quantity(
         "m or rad", "∫ϕ̇ dt; by default what completes the curve", default=None
     )

@@ -1,5 +1,6 @@
 """The robot: one steered front wheel, two driven rear wheels (Table 1)."""
 
+import math
 from functools import cached_property
 from typing import Literal, NamedTuple, Self
 
@@ -90,6 +91,10 @@ class Tricycle(Spec):
                 "centre_ahead", x, f"must be from 0 to below wheelbase = {a:g} m, between axle and steered "
                 "wheel: the robot would tip over standing",
             )  # fmt: skip
+        if not all(0.0 < number < math.inf for number in self.reduced_model()):
+            raise InvalidInput(
+                "", self, "has sizes, masses or inertias that are too unequal to compute with"
+            )
         needed = (self.weight / self.gravity) * x**2 - a**2 * (self.body_mass / 4 + self.wheel_mass)
         if self.body_inertia <= needed:
             raise InvalidInput(

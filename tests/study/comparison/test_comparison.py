@@ -74,7 +74,8 @@ def test_files(comparison, tmp_path):
 
     written = comparison.write(tmp_path / "out")
     assert [p.name for p in written] == [
-        "comparison.html", "comparison.json", "comparison.parquet", "slalom.png", "corner.png",
+        "comparison.html", "comparison.json", "comparison.parquet", "comparison-slalom.png",
+        "comparison-corner.png",
     ]  # fmt: skip
     cells = json.loads((tmp_path / "out" / "comparison.json").read_text())
     assert cells == comparison.cells

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from osculate import (
@@ -222,7 +222,8 @@ def test_a_killed_comparison_goes_on_from_where_it_was(tmp_path):
     assert f"Taken over: {there} of 2 cells, kept in: {cells}" in done.stdout.replace("\n", "")
     assert len(json.loads((tmp_path / "out" / "comparison.json").read_text())) == 2
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        ".osculate.json", "cells", "comparison.html", "comparison.json", "comparison.parquet", "corner.png",
+        ".osculate.json", "cells", "comparison.html", "comparison.json", "comparison.parquet",
+        "comparison-corner.png",
     }  # fmt: skip
     assert len([*cells.iterdir()]) == 2
 
@@ -261,3 +262,22 @@ def test_files_of_one_name_are_two_curves(tmp_path):
     assert [*curves(["slalom", *files])] == ["slalom", "track", *files[1:]]
     with pytest.raises(InvalidInput, match="is given twice"):
         curves([*files, files[0]])
+
+
+@settings(max_examples=300, deadline=None)
+@given(place=st.floats(0.0, 1.0, exclude_max=True), flip=st.integers(0, 255), cut=st.booleans())
+def test_a_damaged_file_counts_as_missing(tmp_path_factory, place, flip, cut):
+    kept = Kept(tmp_path_factory.getbasetemp() / "damaged")
+    key = key_of(a=1)
+    arrays = {"x": np.linspace(0.0, 1.0, 5), "t": np.array("abc")}
+    kept.keep(key, arrays)
+    (file,) = kept.folder.iterdir()
+    content = bytearray(file.read_bytes())
+    spot = int(place * len(content))
+    content[spot] ^= flip
+    file.write_bytes(content[:spot] if cut else content)
+    found = kept.find(key)
+    if flip or cut:
+        assert found is None
+    else:
+        assert all(np.array_equal(found[name], arrays[name]) for name in arrays)

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from osculate.curve.files.found import Array, Found, refuse
+from osculate.curve.waypoints import FARTHEST_PLACE, SMALLEST
 
-FARTHEST = 1e11  # m, where doubles resolve 0.02 mm
 HUGE = 2e4  # m, extent beyond which coordinates look like millimetres
 TINY = 0.2  # m, extent below which coordinates far from the origin look like degrees
 FAR_JUMP = 50.0  # median steps
@@ -29,11 +29,15 @@ def check_places(points: Array, label: str) -> None:
     Raises:
         InvalidInput: Fewer, or one too far away.
     """
-    far = np.abs(points).max(axis=1, initial=0.0) > FARTHEST
+    far = np.abs(points).max(axis=1, initial=0.0) > FARTHEST_PLACE
     if far.any():
-        raise refuse(label, f"is further than {FARTHEST:g} m away", f"point {int(far.argmax())}")
+        raise refuse(
+            label, f"is further than {FARTHEST_PLACE:g} m away", f"point {int(far.argmax())}"
+        )
     if len(points) < 2 or not np.ptp(points, axis=0).any():
         raise refuse(label, f"must hold at least two different points, it has {len(points)}")
+    if np.ptp(points, axis=0).max() < SMALLEST:
+        raise refuse(label, f"must extend over at least {SMALLEST:g} m; is the scale right?")
 
 
 def check_flat(points: Array, label: str) -> None:

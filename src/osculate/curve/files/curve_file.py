@@ -39,7 +39,11 @@ class CurveFile(Curve):
         "1", "whether it is closed; by default its ends decide", default=None
     )
     tolerance: float = quantity(
-        "m", "largest distance from the (scaled) points; 0 goes through them", default=0.0, ge=0
+        "m",
+        "largest distance from the (scaled) points; 0 goes through them",
+        default=0.0,
+        ge=0,
+        le=1e6,
     )
     columns: tuple[int | str, int | str] | None = quantity(
         "1", "columns of x and y: numbers from 1, or names; by default found", default=None

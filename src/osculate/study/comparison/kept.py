@@ -24,13 +24,15 @@ from numpy.typing import NDArray
 
 from osculate.curve import CurveFile
 from osculate.errors import InvalidInput
-from osculate.files import complete_file
+from osculate.files import write_bytes
 from osculate.kernel.foreign import versions
 from osculate.spec import Spec
 
 SHOWS = ("apps", "study")  # rooms that show numbers and do not make them,
 MAKES = {f"study/comparison/{name}.py" for name in ("compare", "tune", "kept")}  # but for these
 CALLED = ("scipy", "mujoco", "casadi", "cma", "pyclothoids")
+
+SEAL = hashlib.sha256().digest_size  # bytes
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -69,8 +71,10 @@ class Kept:
         if key is None:
             return None
         try:
-            content = BytesIO(self._file(key).read_bytes())
-            with np.load(content, allow_pickle=False) as found:  # a pickle runs what a file says
+            content = _unsealed(self._file(key).read_bytes())
+            with np.load(
+                BytesIO(content), allow_pickle=False
+            ) as found:  # a pickle runs what it says
                 arrays = {name: found[name] for name in found.files}
         except (OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile):
             return None
@@ -85,8 +89,9 @@ class Kept:
             return
         file = self._file(key)
         try:
-            with complete_file(file, durable=False) as temporary, temporary.open("wb") as stream:
-                np.savez(stream, key=np.array([key, *sorted(arrays)]), **arrays)
+            content = BytesIO()
+            np.savez(content, key=np.array([key, *sorted(arrays)]), **arrays)
+            write_bytes(file, _sealed(content.getvalue()), durable=False)
             self.made += 1
         except OSError as error:
             if not self.fails:
@@ -95,6 +100,23 @@ class Kept:
 
     def _file(self, key: str) -> Path:
         return self.folder / f"{key[:32]}.npz"
+
+
+def _sealed(content: bytes) -> bytes:
+    """The content of a file, and behind it a hash: a disk that errs is noticed."""
+    return content + hashlib.sha256(content).digest()
+
+
+def _unsealed(sealed: bytes) -> bytes:
+    """The content of a file.
+
+    Raises:
+        ValueError: It is not what was written.
+    """
+    content, seal = sealed[:-SEAL], sealed[-SEAL:]
+    if hashlib.sha256(content).digest() != seal:
+        raise ValueError("damaged")
+    return content
 
 
 def key_of(**parts: Any) -> str | None:

@@ -30,10 +30,13 @@ COLOURS = ("#1f5fa8", "#d9730d", "#2e8b57", "#b3261e", "#7b4fa3", "#5b6470", "#b
 
 
 def write_figures(comparison: Comparison, folder: OutputFolder) -> list[Path]:
-    """One PNG per curve: the curve, and the error of all controllers over arc length."""
+    """One PNG per curve: the curve, and the error of all controllers over arc length.
+
+    No curve's name makes a name that a run or a reproduction in the same folder has.
+    """
     names = _file_names(comparison.curves)
     paths = [
-        folder.write(f"{names[name]}.png", partial(_write_figure, comparison, name))
+        folder.write(f"comparison-{names[name]}.png", partial(_write_figure, comparison, name))
         for name in comparison.curves
     ]
     return [path for path in paths if path is not None]

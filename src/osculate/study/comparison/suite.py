@@ -10,6 +10,7 @@ from pydantic import Field
 from osculate.control import Safety
 from osculate.curve import Chain, Curve, CurveFile, Cycloid, Parametric, Segment, Spline
 from osculate.errors import InvalidInput, choose
+from osculate.files import is_file
 from osculate.plant import (
     Actuated,
     AnyFault,
@@ -173,7 +174,7 @@ def curves(names: Iterable[str] | None = None, scale: float = 1.0) -> dict[str, 
     for name in names or CURVES:
         if name in CURVES:
             chosen[name] = CURVES[name]
-        elif Path(name).is_file():
+        elif is_file(Path(name)):
             stem = Path(name).stem  # two files may share it, also with a built-in curve
             title = name if stem in {**CURVES, **chosen} else stem
             text = title.encode("utf-8", errors="backslashreplace").decode()
