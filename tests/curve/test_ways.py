@@ -9,9 +9,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import fresnel
 
-from osculate import Arc, Chain, Clothoid, Cycloid, InvalidInput, Line, NoSolution, Pose
+from osculate import (
+    Arc,
+    Chain,
+    Clothoid,
+    CurvatureTracker,
+    Cycloid,
+    InitialState,
+    InvalidInput,
+    Line,
+    NoSolution,
+    Pose,
+    plan_speed,
+)
 from osculate.curve import segments
-from osculate.curve.approach import EASE, PLACES, USABLE, _moved, _way, dubins, plan_approach
+from osculate.curve.approach import EASES, PLACES, USABLE, _moved, _way, dubins, plan_approach
+from osculate.simulation.loop import with_approach
+from osculate.simulation.run import make_setup
+from osculate.study.comparison.suite import CURVES
+from osculate.vehicle import VEHICLES
 
 poses = st.builds(Pose, x=st.floats(-2, 2), y=st.floats(-2, 2), heading=st.floats(-4, 4))
 
@@ -166,7 +182,7 @@ def test_an_approach_is_short_but_skips_little(curve, tightest, turned):
     start = Pose(x=float(begin.x), y=float(begin.y) + 0.4, heading=float(begin.heading) + turned)
     way, length = plan_approach(curve, start, tightest)
     joined = way.pieces[1].start
-    radius = 1.0 / (EASE * tightest)
+    radius = 1.0 / (EASES[0] * tightest)
     reach = min(curve.length - 1e-3, 12.0 * radius)
     tried = {}
     for place in np.linspace(0.0, reach, PLACES + 1)[1:]:
@@ -176,3 +192,27 @@ def test_an_approach_is_short_but_skips_little(curve, tightest, turned):
             tried[float(place)] = candidate.length + 0.5 * place
     assert tried[joined] == pytest.approx(length + 0.5 * joined)
     assert tried[joined] <= min(tried.values()) + 1e-9
+
+
+@pytest.mark.parametrize("turning", [300.0, 60.0, 30.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_approach_is_as_calm_as_the_steering(turning, side):
+    """On the lemniscate the first arcs that bend little enough turn the steering too fast."""
+    curve, wheelbase, tightest = CURVES["lemniscate"], 0.4, 6.87
+    start = InitialState(cross_track=side).on(curve)
+    pose = Pose(x=start.x, y=start.y, heading=start.heading)
+    way, length = plan_approach(curve, pose, tightest, 0.0, wheelbase, turning)
+    point = way.at(np.linspace(0.0, length, 400))
+    angle = np.arctan(wheelbase * point.curvature)
+    assert np.abs(np.gradient(angle, length / 399.0)).max() <= 1.05 * turning
+    with pytest.raises(NoSolution, match=r"less than 0\.001 rad/m of steering"):
+        plan_approach(curve, pose, tightest, 0.0, wheelbase, 1e-3)
+
+
+@pytest.mark.parametrize("name", list(VEHICLES))
+def test_a_way_onto_a_curve_can_be_driven(name):
+    """Its plan keeps the limits, the rate of the steering among them, from every such start."""
+    for start in (InitialState(cross_track=1.0), InitialState(heading_error=3.1)):
+        parts = {"controller": CurvatureTracker(), "initial": start}
+        setup = with_approach(make_setup(CURVES["lemniscate"], VEHICLES[name], parts))
+        assert plan_speed(setup.curve, setup.robot, setup.limits).duration > 0.0

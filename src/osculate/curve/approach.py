@@ -2,7 +2,8 @@
 
 The shortest path of arcs and lines (Dubins 1957) from the pose to places of the curve further on, rounded
 by a quintic spline that leaves the pose straight ahead and meets the curve with its heading and
-curvature. The shortest one that the robot can steer is taken.
+curvature. The shortest one that the robot can steer, as far and as fast as it has to, is taken; where there
+is none, wider arcs are tried.
 """
 
 import itertools
@@ -23,7 +24,13 @@ from osculate.spec import quantity
 
 Array = NDArray[np.float64]
 
-EASE = 0.55  # arcs bend with this part of what the robot can, so that the spline may bend more
+EASES = (
+    0.55,
+    0.4,
+    0.28,
+    0.2,
+    0.14,
+)  # parts of what the robot can bend, for arcs: the spline bends more
 USABLE = 0.9  # part of the robot's curvature that the approach may use
 PLACES = 24  # of the curve that are tried
 
@@ -61,7 +68,12 @@ class Approach(Sampled):
 
 
 def plan_approach(
-    curve: Curve, start: Pose, tightest: float, begin: float = 0.0
+    curve: Curve,
+    start: Pose,
+    tightest: float,
+    begin: float = 0.0,
+    wheelbase: float = 1.0,
+    turning: float = np.inf,
 ) -> tuple[Composite, float]:
     """A curve from ``start`` onto ``curve`` and along it to its end.
 
@@ -70,6 +82,8 @@ def plan_approach(
         start: From where.
         tightest: Largest curvature (1/m) that the robot can steer.
         begin: Arc length (m) of the curve before which it is not joined.
+        wheelbase: Of the robot (m).
+        turning: Largest change of the steering angle along the way (rad/m): its rate over the least speed.
 
     Returns:
         The curve, and the length (m) of its approach.
@@ -77,25 +91,45 @@ def plan_approach(
     Raises:
         NoSolution: No approach reaches the curve before its end.
     """
-    radius = 1.0 / (EASE * tightest)
+    for ease in EASES:
+        found = _shortest(
+            curve, start, begin, 1.0 / (ease * tightest), (tightest, wheelbase, turning)
+        )
+        if found is not None:
+            break
+    else:
+        raise NoSolution(
+            f"no approach from ({start.x:.4g}, {start.y:.4g}) m, heading {start.heading:.4g} rad, "
+            f"joins the curve within {max(curve.length - begin, 0.0):.4g} m and bends less than "
+            f"{USABLE * tightest:.4g} 1/m, with less than {turning:.4g} rad/m of steering; start nearer to "
+            "the curve or leave it more length"
+        )
+    best, joined = found
+    rest = Part(curve=curve, start=joined, end=curve.length)
+    return Composite(pieces=(best, rest), heading_jump=1e-4, curvature_jump=1e-2), best.length
+
+
+def _shortest(
+    curve: Curve, start: Pose, begin: float, radius: float, steering: tuple[float, float, float]
+) -> tuple[Approach, float] | None:
+    """The shortest way of arcs of one radius that can be steered, and where it joins the curve (m)."""
     reach = min(curve.length - 1e-3, begin + 12.0 * radius)
     best: Approach | None = None
     joined = begin
     places = np.linspace(begin, reach, PLACES + 1)[1:] if reach > begin else ()
     for place in places:
         way = _way(curve, start, float(place), radius)
-        point = way.at(np.linspace(0.0, way.length, 400))
-        steerable = np.abs(point.curvature).max() <= USABLE * tightest
+        steerable = _is_steerable(way, *steering)
         if steerable and (best is None or way.length < best.length + 0.5 * (joined - place)):
             best, joined = way, float(place)
-    if best is None:
-        raise NoSolution(
-            f"no approach from ({start.x:.4g}, {start.y:.4g}) m, heading {start.heading:.4g} rad, "
-            f"joins the curve within {max(reach - begin, 0.0):.4g} m and bends less than "
-            f"{USABLE * tightest:.4g} 1/m; start nearer to the curve or leave it more length"
-        )
-    rest = Part(curve=curve, start=joined, end=curve.length)
-    return Composite(pieces=(best, rest), heading_jump=1e-4, curvature_jump=1e-2), best.length
+    return None if best is None else (best, joined)
+
+
+def _is_steerable(way: Curve, tightest: float, wheelbase: float, turning: float) -> bool:
+    point = way.at(np.linspace(0.0, way.length, 400))
+    bends = np.abs(point.curvature)
+    turns = wheelbase * np.abs(point.curvature_rate) / (1.0 + (wheelbase * bends) ** 2)
+    return bool(bends.max() <= USABLE * tightest and turns.max() <= turning)
 
 
 def _way(curve: Curve, start: Pose, place: float, radius: float) -> Approach:

@@ -61,6 +61,7 @@ from osculate.vehicle import Command, Motion, Tricycle
 RECOVERABLE_HEADING = math.radians(100.0)
 RECOVERABLE_DISTANCE = 2.5  # m
 TEMPLATES = "osculate.simulation.templates"
+SLOW = 0.03  # m/s, that a robot can drive everywhere on a way onto its curve
 ROLLED = NEAR + 1e-3  # m beyond the end, at which a robot that should rest there rolls away
 SPEED_LIMIT = 1e5  # m/s, beyond which a run counts as diverged
 
@@ -406,7 +407,8 @@ def with_approach(setup: Setup) -> Setup:
     start = initial.on(curve)
     tightest = float(np.tan(robot.actuators.steering_angle_limit)) / robot.wheelbase
     pose = Pose(x=start.x, y=start.y, heading=start.heading)
-    way, length = plan_approach(curve, pose, tightest, initial.arc_length)
+    turning = setup.limits.steering * robot.actuators.steering_rate_limit / SLOW
+    way, length = plan_approach(curve, pose, tightest, initial.arc_length, robot.wheelbase, turning)
     begin = InitialState(speed=initial.speed, settled=max(initial.settled, length))
     return setup._replace(curve=way, initial=begin)
 
