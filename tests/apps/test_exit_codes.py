@@ -16,8 +16,8 @@ LINE = (
 EMPTY = "scene: {obstacles: []}\n"
 CASES = {
     "reached": "scene: {obstacles: []}\nclock: {kind: continuous, duration: 20.0}\n",
-    "left": "target: {kind: static, profile: {kind: natural}}\n"
-    "disturbance: {heading_feedback: 5, yaw_rate_feedback: 5}\n",
+    "left": LINE.format(robot="tugger")
+    + "scene: {corridor: 0.05}\ninitial: {heading_error: 0.6}\n",
     "hit": LINE.format(robot="tugger")
     + "scene: {obstacles: [{kind: disc, x: 9, y: 9, radius: 1}, {kind: disc, x: 2, y: 0, radius: 0.1}]}\n",
     "late": LINE.format(robot="forklift") + EMPTY,

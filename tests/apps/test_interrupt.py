@@ -24,7 +24,11 @@ with interruptible(), complete_file(sys.argv[1]) as path:
     time.sleep(1000.0)
 """
 HASTY = STUCK.replace("pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})", "getsignal(2)")
-COMMAND = (sys.executable, "-m", "osculate")
+#: Runs a command that hears Ctrl-C, as at a terminal; what a shell starts in the background does not.
+HEARING = (
+    "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
+)
+COMMAND = (sys.executable, "-c", HEARING, sys.executable, "-m", "osculate")
 
 
 def ended(process, output=""):

@@ -136,6 +136,7 @@ ELSEWHERE = {
     "robot.steered": "the sign of the wheel's angle outside of the laws",
     "robot.brake": "for stops",
     "robot.centre_height": "tips the robot: the plan of a harder task",
+    "robot.centre_ahead": "tips the robot: the plan of a harder task",
     "robot.actuators.steering_rate_limit": "the plan of a harder task",
     "robot.actuators.steering_angle_limit": "the plan of a harder task",
     "robot.actuators.torque_limit": "the plan of a harder task",
