@@ -94,15 +94,12 @@ def run(
     1 internal error, 2 wrong input or infeasible, 10 hit, 11 left, 12 stopped, 13 diverged, 14 late,
     15 reversed. If files could not be written, it is 1; after Ctrl-C it is 130.
     """
-    from osculate.simulation.recording.video import check_video
     from osculate.study.scenario import Scenario
 
     if animate and not output:
         raise InvalidInput("animate", animate, "goes into the output folder: give --output as well")
     also = [*(save or ()), *([video] if video else [])]
-    if video:
-        check_video(video)
-    _check_places(output, also, animate, view)
+    _check_places(output, also, video, animate, view)
     chosen = Scenario.load(scenario)
     if plant:
         chosen = chosen.on(plant)
@@ -144,17 +141,19 @@ def _simulate(chosen: "Scenario", output: Path | None) -> "Run":
         raise typer.Exit(verdict.exit_code) from None
 
 
-def _check_places(output: Path | None, also: list[Path], animate: bool, view: bool) -> None:
-    """Complain before a simulation that may take long, not after it."""
+def _check_places(
+    output: Path | None, also: list[Path], video: Path | None, animate: bool, view: bool
+) -> None:
+    """Complain before a simulation that may take long, not after it; the film is the last of ``also``."""
     from osculate.files import check_folder
     from osculate.simulation.recording.formats import check_save
-    from osculate.simulation.recording.video import require_display
+    from osculate.simulation.recording.video import check_video, require_display
 
     if output:
         check_folder("output", output)
     taken = [(output / "animation.gif").resolve()] if output and animate else []
     for path in also:
-        check_save(path)
+        check_video(path) if path is video else check_save(path)
         if path.resolve() in taken:
             raise InvalidInput("path", str(path), "is written already; give another name")
         taken.append(path.resolve())

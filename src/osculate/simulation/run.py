@@ -37,9 +37,7 @@ class Intervention(NamedTuple):
     end: float  # s
     reason: str
     place: float  # m, arc length of the nearest point of the curve when it began
-    excess: (
-        float  # m, predicted distance beyond the corridor's edge; 0 where that is not the reason
-    )
+    excess: float  # m, predicted distance beyond the corridor's edge; 0 if that is not why
     cause: str  # what was measured or asked for; empty if nothing in particular
 
     def __str__(self) -> str:

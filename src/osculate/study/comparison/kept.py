@@ -71,10 +71,8 @@ class Kept:
         if key is None:
             return None
         try:
-            content = _unsealed(self._file(key).read_bytes())
-            with np.load(
-                BytesIO(content), allow_pickle=False
-            ) as found:  # a pickle runs what it says
+            stream = BytesIO(_unsealed(self._file(key).read_bytes()))
+            with np.load(stream, allow_pickle=False) as found:  # a pickle runs what it says
                 arrays = {name: found[name] for name in found.files}
         except (OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile):
             return None
